@@ -69,7 +69,7 @@ fn an_interrupted_report_keeps_its_rows_and_says_what_is_missing() {
 fn mistakes_are_named_before_anything_is_measured() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("taken"), "mine").unwrap();
-    let cases: [(&[&str], i32, &[&str]); 8] = [
+    let cases: [(&[&str], i32, &[&str]); 9] = [
         (&["-o", "taken"], 1, &["-o: cannot write taken: it is a file"]),
         (&["-o", "taken/below"], 1, &["-o: cannot write taken/below"]),
         (&["-o", "fine", "--adapter", "geforce"], 2, &["--adapter", "--engine cpu"]),
@@ -78,6 +78,7 @@ fn mistakes_are_named_before_anything_is_measured() {
         (&["--slow"], 2, &["--slow"]),
         (&["--only", "depth,abysses"], 2, &["--only", "abysses", "films"]),
         (&["--only", "films"], 2, &["--quick leaves out", "--only", "films"]),
+        (&["--only", "hard,films"], 2, &["--quick leaves out", "--only", "films"]),
     ];
     for (arguments, code, words) in cases {
         let small = if arguments[0] == "--sample" { &SMALL[..4] } else { &SMALL[..] };

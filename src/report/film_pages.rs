@@ -1,5 +1,6 @@
 //! The chapter on films.
 
+use super::films::are_measured;
 use super::pages::{Block, Section, Table, section, share, short};
 use super::{LongFilm, Report, ZoomRow};
 
@@ -9,7 +10,7 @@ const ABOUT: &str = "A film of 60 s, 60 frames a second, 1920 × 1080 with one s
 
 /// The chapter on the time of a long film, or `None` if nothing of it was measured.
 pub(super) fn films(report: &Report) -> Option<Section> {
-    if report.zooms.is_empty() && report.painting.is_none() {
+    if !are_measured(report) {
         return None;
     }
     let mut blocks = vec![Block::Text(ABOUT.to_string()), Block::Table(table(&report.zooms))];

@@ -111,6 +111,11 @@ pub struct LongFilm {
     pub painting_secs: f64,
 }
 
+/// Returns true if anything of the long film was measured.
+pub(super) fn are_measured(report: &Report) -> bool {
+    !report.zooms.is_empty() || report.painting.is_some()
+}
+
 impl LongFilm {
     /// The time that follows from a report's rows; `None` unless every zoom and the frames were measured.
     pub fn of(report: &Report) -> Option<Self> {
@@ -120,8 +125,9 @@ impl LongFilm {
             return None;
         }
         let octave = |width_rad: f64| width_rad.log2();
-        let (home, seabed) =
-            (octave(std::f64::consts::TAU), octave(target().view.width_rad().to_f64()));
+        let ends = [BuiltIn::home().document(), target()];
+        let [home, seabed] =
+            ends.map(|scene| octave(scene.view.fitted(SIZE.map(f64::from)).width_rad().to_f64()));
         // Each zoom stands for the octaves nearer to it than to any other.
         let middle =
             |pair: &[ZoomRow]| f64::midpoint(octave(pair[0].width_rad), octave(pair[1].width_rad));
@@ -191,7 +197,7 @@ impl Bench<'_> {
     ) -> Result<ZoomRow, ReportError> {
         let engine = backend.short_name();
         let folder = folder()?;
-        let (task, secs) = self.sampled(zoom, backend, folder.path())?;
+        let (task, secs) = self.sampled(zoom.film(), backend, folder.path())?;
         Ok(ZoomRow {
             engine,
             config: BALANCED,
@@ -205,26 +211,26 @@ impl Bench<'_> {
     pub(super) fn painting(&self, backend: &mut Backend) -> Result<PaintingRow, ReportError> {
         let folder = folder()?;
         let film_samples = planned(long_film(), backend.engine(), folder.path())?.samples();
-        let (task, _) = self.sampled(&PAINTED, backend, folder.path())?;
         let film = PAINTED.film();
-        let picture = &film.keys[0].scene.picture;
+        let (task, _) = self.sampled(film.clone(), backend, folder.path())?;
+        let scene = &film.keys[0].scene;
         let begun = Instant::now();
         let mut parts = Parts::scan(&task.folder, task.forms())?;
-        let sink = FilmSink::open(&folder.path().join("film.mp4"), &film, &film.keys[0].scene)?;
-        merge::film(&task, picture, &mut parts, sink, &mut |_| !(self.stop)())?;
+        let sink = FilmSink::open(&folder.path().join("film.mp4"), &film, scene)?;
+        merge::film(&task, &scene.picture, &mut parts, sink, &mut |_| !(self.stop)())?;
         Ok(PaintingRow { film_samples, frames: film.frames, secs: begun.elapsed().as_secs_f64() })
     }
 
-    /// Computes the samples of a zoom, and returns them as a finished task with its seconds.
+    /// Computes the samples of a film, and returns them as a finished task with its seconds.
     fn sampled(
         &self,
-        zoom: &ShortZoom,
+        film: Film,
         backend: &mut Backend,
         folder: &Path,
     ) -> Result<(Task, f64), ReportError> {
         let begun = Instant::now();
         let mut engine = DepthEngine::new(Box::new(backend.engine()), self.threads)?;
-        let task = planned(zoom.film(), &engine, folder)?;
+        let task = planned(film, &engine, folder)?;
         let missing = task.missing(1, &Parts::default());
         run(&task, &missing, &mut engine, &mut |_| !(self.stop)())?;
         Ok((task, begun.elapsed().as_secs_f64()))

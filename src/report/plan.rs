@@ -31,7 +31,7 @@ pub struct Thoroughness {
 }
 
 impl Thoroughness {
-    /// A full report: some twenty minutes on two cores and a software adapter.
+    /// A full report: half an hour on two cores, and longer with each adapter.
     pub const FULL: Self = Thoroughness {
         quick: false,
         sample: 20_000,
@@ -45,7 +45,7 @@ impl Thoroughness {
         depth_starts: 576,
         deepest_starts: 48,
     };
-    /// A quick report: two minutes at most.
+    /// A quick report: some minutes.
     pub const QUICK: Self = Thoroughness {
         quick: true,
         sample: 5000,

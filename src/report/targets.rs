@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::levels::{rows_at, rows_with};
 use super::plan::BALANCED_DF32;
 use super::windows::{WINDOWS, Window};
-use super::{Checks, DepthRow, LongFilm, Report, Row};
+use super::{Checks, DepthRow, LongFilm, Report, Row, films};
 use crate::engine::{Accuracy, IntegratorConfig, Precision};
 
 /// A target and its result.
@@ -223,7 +223,7 @@ const FILM_MINUTES: f64 = 20.0;
 
 /// The target for the long film, unless none of it was measured.
 fn of_films(report: &Report) -> Option<Target> {
-    if report.zooms.is_empty() && report.painting.is_none() {
+    if !films::are_measured(report) {
         return None;
     }
     let minutes = LongFilm::of(report).map(|film| film.secs() / 60.0);
