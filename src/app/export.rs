@@ -245,7 +245,7 @@ fn run(
         Pace::new(&question, &config)?;
     }
     let mut renderer = Renderer::of(engine, config, verify, engine_request.threads)?;
-    renderer.second_opinion(&scene, request.size, &|| !stopped())?;
+    renderer.second_opinion(&scene, request.size, Cells::Auto, &|| !stopped())?;
     for pass in sinks.passes(document.picture.samples) {
         let (what, whither) = ((&document, Cells::Auto), (&mut sinks, &pass));
         let clock = &mut RenderClock::default();

@@ -13,7 +13,7 @@ use crate::engine::choice::IntegrationSetting;
 use crate::engine::cpu::CpuEngine;
 use crate::engine::depth::DepthEngine;
 use crate::engine::trust::Outlook;
-use crate::engine::{Accuracy, EngineError, IntegratorConfig};
+use crate::engine::{Accuracy, Cells, EngineError, IntegratorConfig};
 use crate::scene::Scene;
 use crate::tiles::outlook;
 use crate::tiles::view_target::ViewTarget;
@@ -130,7 +130,8 @@ fn look(
     stop: &AtomicBool,
 ) -> Result<Option<Outlook>, EngineError> {
     let mut engine = DepthEngine::new(Box::new(CpuEngine::new(Some(1))?), Some(1))?;
-    outlook(scene, SIZE, config, &mut engine, &|| !stop.load(Ordering::Relaxed))
+    let how = (config, Cells::Auto);
+    outlook(scene, SIZE, how, &mut engine, &|| !stop.load(Ordering::Relaxed))
 }
 
 #[cfg(test)]

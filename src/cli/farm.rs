@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use flipmap::engine::Cells;
 use flipmap::engine::choice::{Chosen, EngineRequest};
 use flipmap::farm::merge::{self, FilmSink, MergeError};
 use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, WorkPiece, run};
@@ -102,7 +103,7 @@ fn hear_second_opinion(
     renderer: &mut Renderer,
 ) -> anyhow::Result<()> {
     let Some((scene, pass)) = task.still(piece) else { return Ok(()) };
-    let opinion = renderer.second_opinion(&scene, pass.pixels(), &|| !stop::asked())?;
+    let opinion = renderer.second_opinion(&scene, pass.pixels(), Cells::Auto, &|| !stop::asked())?;
     if let Some(warning) = opinion.and_then(|opinion| opinion.warning()) {
         super::tell(&format!("flipmap: {warning}"));
     }

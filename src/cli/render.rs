@@ -75,7 +75,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     let mut sinks = Sinks::open(&paths, &document, spec.size())?;
     let mut renderer = Renderer::of(engine, config, spec.verify, options.run.engine.threads())?;
-    let opinion = renderer.second_opinion(&scene, spec.size(), &|| !stop::asked())?;
+    let opinion = renderer.second_opinion(&scene, spec.size(), options.cells, &|| !stop::asked())?;
     announce(renderer.engine(), config, spec.verify, &why);
 
     let (setup, mut clock) = (begun.elapsed(), RenderClock::default());
@@ -98,7 +98,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
             continued.put(kept);
         }
     }
-    let outlook = outlook(&spec, &scene, config, renderer.engine())?;
+    let outlook = outlook(&spec, &scene, (config, options.cells), renderer.engine())?;
     clock.output += finish(sinks, continued)?;
     let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
     let (engine, verified) = (renderer.engine(), spec.verify);
@@ -159,13 +159,13 @@ fn finish(sinks: Sinks, continued: Option<Continued>) -> anyhow::Result<Duration
 fn outlook(
     spec: &RunSpec,
     scene: &Scene,
-    config: IntegratorConfig,
+    how: (IntegratorConfig, Cells),
     engine: &mut dyn Engine,
 ) -> anyhow::Result<Option<Outlook>> {
     if spec.setting != IntegrationSetting::Accuracy(Accuracy::Balanced) || spec.verify {
         return Ok(None);
     }
-    let outlook = tiles::outlook(scene, spec.size(), config, engine, &|| !stop::asked())?;
+    let outlook = tiles::outlook(scene, spec.size(), how, engine, &|| !stop::asked())?;
     Ok(Some(outlook.ok_or(Exit::Interrupted)?))
 }
 
@@ -278,6 +278,7 @@ fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
 /// The JSON object of a run.
 fn object(ran: &RunSummary, scene: &Scene) -> serde_json::Value {
     let RunSummary { engine, config, counts, seconds, .. } = ran;
+    let estimated = ran.outlook.map(|outlook| outlook.opinion).filter(|opinion| opinion.asked > 0);
     let trust: serde_json::Map<String, serde_json::Value> = Trust::ALL
         .iter()
         .map(|(word, trust)| (word.to_string(), counts.trusts[*trust as usize].into()))
@@ -300,9 +301,9 @@ fn object(ran: &RunSummary, scene: &Scene) -> serde_json::Value {
         "outlook": ran.outlook.map(|outlook| serde_json::json!({
             "sampled": outlook.sampled,
             "expected_right": outlook.expected_right(),
-            "beyond_horizon": 1.0 - outlook.expected_right(),
+            "beyond_horizon": outlook.beyond as f64 / outlook.sampled.max(1) as f64,
         })),
-        "integrated_directly": ran.opinion.map(|opinion| serde_json::json!({
+        "integrated_directly": ran.opinion.or(estimated).map(|opinion| serde_json::json!({
             "pixels": opinion.asked,
             "contradicted": opinion.contradicted,
         })),

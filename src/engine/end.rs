@@ -18,6 +18,9 @@ pub struct End {
     /// Factor by which neighbours had moved apart between the release and the beginning of the
     /// start's own integration: 1 where that began at rest, infinite where none was needed.
     pub grown: f64,
+    /// Error of the start map from which the start's own integration began, or which tells its answer,
+    /// taken back to the release: what its polynomials leave out, in rad; 0 where there was no map.
+    pub map_error: f64,
     /// Quantities gathered since the release.
     pub gathered: Accumulators,
 }
@@ -29,6 +32,7 @@ impl End {
         phase: [0.0; 6],
         clearance: crossing::FAR,
         grown: 1.0,
+        map_error: 0.0,
         gathered: Accumulators::NONE,
     };
 }

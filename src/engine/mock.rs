@@ -8,7 +8,7 @@ use super::{
     Effort, End, Ends, Engine, EngineError, EngineKind, IntegratorState, Job, JobResult, Leaf,
     Moving, NUMBERS,
 };
-use super::{IntegratorConfig, Question, Starts, Wait};
+use super::{IntegratorConfig, Onset, Question, Starts, Wait};
 use crate::physics::{Dd, Outcome, Status};
 use crate::scene::lattice::side_rad;
 
@@ -130,6 +130,7 @@ impl Engine for MockEngine {
             Starts::Rest(angles) => angles,
             Starts::Upright(_) => unreachable!("listed"),
             Starts::Thrown(launches) => launches.iter().map(|launch| launch.angle).collect(),
+            Starts::Mixed { starts, .. } => starts.iter().map(Onset::angle).collect(),
             Starts::Resumed { states, .. } => states
                 .iter()
                 .map(|state| Self::resumed(&question, state))

@@ -44,7 +44,8 @@ pub mod trust;
 
 use std::time::Instant;
 
-use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status};
+use crate::physics::opening::Opening;
+use crate::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status, Theta};
 use crate::scene::{Build, Scene};
 pub use cells::{Cells, Indistinguishable};
 pub use depth::DepthStats;
@@ -57,7 +58,7 @@ pub use level::Accuracy;
 pub use method::{Method, Precision};
 pub use one_job::run_job;
 use pace::{Adaptive, Pace};
-pub use starts::{Deep, Leaf, Moving, MovingStarts, Starts, Upright};
+pub use starts::{Deep, Leaf, Moving, MovingStarts, Onset, StartList, Starts, Upright};
 pub use trust::Trust;
 
 /// The question that a job asks about each of its starts.
@@ -96,6 +97,16 @@ impl Question {
     pub fn reduced(&self) -> (Pendulum<f64>, f64) {
         let (pendulum, unit_secs) = self.reduced_in::<Dd>();
         (pendulum.to_f64(), unit_secs.to_f64())
+    }
+
+    /// The first moments of launches, for passes that answers with such ends tell or count.
+    pub fn opening(&self, ends: Ends) -> Opening {
+        let (pendulum, unit_secs) = self.reduced_in::<Theta>();
+        let bobs = match self.rule {
+            Rule::Neither if ends == Ends::Plain => Rule::Either.watched(),
+            rule => rule.watched(),
+        };
+        Opening::new(&pendulum, bobs, self.budget_secs / unit_secs.to_f64())
     }
 
     /// Returns true if turns or passes are counted along the motion.
@@ -288,6 +299,11 @@ pub trait Engine {
     fn gpu_stats(&self) -> Option<GpuStats> {
         None
     }
+    /// Returns true if answers have been contradicted, so that all are to be marked, even those that are
+    /// known without this engine.
+    fn distrusts(&self) -> bool {
+        false
+    }
 }
 
 /// A mutable reference to an engine is an engine.
@@ -334,5 +350,9 @@ impl<E: Engine + ?Sized> Engine for &mut E {
 
     fn gpu_stats(&self) -> Option<GpuStats> {
         (**self).gpu_stats()
+    }
+
+    fn distrusts(&self) -> bool {
+        (**self).distrusts()
     }
 }

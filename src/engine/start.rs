@@ -12,10 +12,11 @@ use super::integrator_state::carried_names;
 use super::pace::Pace;
 use super::{
     Carried, End, Ends, EngineError, IntegratorConfig, IntegratorState, Job, Method, Moving,
-    NUMBERS, Precision, Question, Starts,
+    NUMBERS, Onset, Precision, Question, Starts,
 };
 use crate::physics::dual::Dual;
 use crate::physics::embedded::{dop853, plus};
+use crate::physics::first_moments::FirstMoments;
 use crate::physics::phase::Phase;
 use crate::physics::series::{MotionSeries, ORDER_F64};
 use crate::physics::tangents::{TangentMap, Tangents, log_growth, released};
@@ -92,6 +93,32 @@ fn thrown(
     state
 }
 
+/// The state of a pendulum at the end of its first moments; at fixed steps, at its launch, whose angles
+/// are on the side of the top on which it is.
+fn beside_top(
+    job: &Job,
+    reduced: &(Pendulum<Dd>, Dd),
+    moments: &FirstMoments,
+) -> IntegratorState {
+    let config = &job.config;
+    if let Method::Rk4 { .. } = config.method {
+        return thrown(config, reduced, &moments.launch(reduced.1));
+    }
+    let phase = match config.precision {
+        Precision::F32 | Precision::F64 => moments.end(&reduced.0.to_f64()).map(Dd::new),
+        Precision::Df32 | Precision::Dd => moments.precise_end(&reduced.0),
+    };
+    let mut numbers = [0.0; NUMBERS];
+    for (i, value) in phase.into_iter().enumerate() {
+        [numbers[i], numbers[6 + i]] = parts(value, config.precision);
+    }
+    [numbers[TIME], numbers[TIME_LOW]] = time_parts(config, [moments.length, 0.0]);
+    numbers[STEP] = control::FIRST;
+    let counts = job.question.counts() && !job.keep.ends.are_carried();
+    let carried = counts.then(|| Box::new(Carried::Counts(moments.gathered())));
+    IntegratorState { carried, ..IntegratorState::new(0, numbers) }
+}
+
 /// The unit vectors along the rods.
 fn vectors(config: &IntegratorConfig, angle: [Dd; 2]) -> [[Dd; 2]; 2] {
     match config.precision {
@@ -108,7 +135,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
         _ => true,
     };
     let is_possible = match &job.starts {
-        Starts::Rest(_) | Starts::Upright(_) | Starts::Thrown(_) => true,
+        Starts::Rest(_) | Starts::Upright(_) | Starts::Thrown(_) | Starts::Mixed { .. } => true,
         Starts::Resumed { states, .. } => states.iter().all(carries),
         Starts::Moving(moving) => match job.keep.ends {
             Ends::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
@@ -216,6 +243,14 @@ fn plain_states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
         Starts::Thrown(launches) => {
             let reduced = question.reduced_in();
             Ok(launches.iter().map(|launch| thrown(config, &reduced, launch)).collect())
+        }
+        Starts::Mixed { starts, .. } => {
+            let reduced = question.reduced_in();
+            let state = |start: &Onset| match start {
+                Onset::Launch(launch) => thrown(config, &reduced, launch),
+                Onset::BesideTop(moments) => beside_top(job, &reduced, moments),
+            };
+            Ok(starts.iter().map(state).collect())
         }
         Starts::Moving(moving) => {
             let pace = Pace::new(question, config)?;

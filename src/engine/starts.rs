@@ -7,6 +7,7 @@ use super::start::phase_at;
 use super::{IntegratorState, Question};
 use crate::physics::phase::Phase;
 use crate::physics::tangents::TangentMap;
+use crate::physics::first_moments::FirstMoments;
 use crate::physics::{Dd, Launch};
 use crate::scene::ExactPlane;
 use crate::scene::lattice::Cell;
@@ -20,6 +21,13 @@ pub enum Starts {
     Upright(Upright),
     /// Thrown from angles (rad, each within (−π, π]) with speeds (rad/s).
     Thrown(Vec<Launch>),
+    /// Some beside the top, to be integrated from the end of their first moments.
+    Mixed {
+        /// The starts.
+        starts: Vec<Onset>,
+        /// True if their plane has speeds.
+        thrown: bool,
+    },
     /// Resumed from the states in which an earlier job left them; its question may differ in the
     /// budget only.
     Resumed {
@@ -33,6 +41,25 @@ pub enum Starts {
     /// Starts at places too close together for the number types of engines; only
     /// [`super::depth::DepthEngine`] can begin them.
     Deep(Deep),
+}
+
+/// The point at which the integration of a pendulum begins.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Onset {
+    /// Its launch, at rest or with speeds.
+    Launch(Launch),
+    /// The end of its first moments.
+    BesideTop(Box<FirstMoments>),
+}
+
+/// Starts of one plane, gathered in order.
+#[derive(Clone, Debug, Default)]
+pub struct StartList {
+    /// Starts from rest, as long as there are no others.
+    at_rest: Vec<[Dd; 2]>,
+    others: Vec<Onset>,
+    thrown: bool,
+    beside_top: bool,
 }
 
 /// Starts from rest of an upright picture, each at the angles of its column and of its row.
@@ -101,10 +128,100 @@ pub struct Moving {
     pub clearance: f64,
     /// Growth so far, see [`super::End::grown`].
     pub grown: f64,
+    /// Error of the start map, see [`super::End::map_error`].
+    pub map_error: f64,
     /// Whole turns of each bob so far.
     pub turns: [i32; 2],
     /// Tangent map so far, where growth is requested.
     pub nudges: Option<Box<TangentMap>>,
+}
+
+impl Onset {
+    /// Both angles of the launch, rad.
+    pub fn angle(&self) -> [Dd; 2] {
+        match self {
+            Onset::Launch(launch) => launch.angle,
+            Onset::BesideTop(moments) => moments.angle,
+        }
+    }
+
+    /// The launch, to the precision of double-double.
+    fn launch(&self, unit_secs: f64) -> Launch {
+        match self {
+            Onset::Launch(launch) => *launch,
+            Onset::BesideTop(moments) => moments.launch(Dd::new(unit_secs)),
+        }
+    }
+
+    /// The same with both angles moved, rad.
+    #[must_use]
+    pub fn moved_by(&self, by: [f64; 2]) -> Self {
+        match self {
+            Onset::Launch(launch) => Onset::Launch(launch.moved_by(by.map(Dd::new))),
+            Onset::BesideTop(moments) => Onset::BesideTop(Box::new(moments.moved_by(by))),
+        }
+    }
+}
+
+impl StartList {
+    /// Returns true if it has no starts.
+    pub fn is_empty(&self) -> bool {
+        self.at_rest.is_empty() && self.others.is_empty()
+    }
+
+    /// Adds a start from rest, angles in rad.
+    pub fn push_at_rest(&mut self, angle: [Dd; 2]) {
+        if self.others.is_empty() {
+            self.at_rest.push(angle);
+        } else {
+            self.others.push(Onset::Launch(Launch::at_rest(angle)));
+        }
+    }
+
+    /// Adds a start on a plane with speeds.
+    pub fn push_thrown(&mut self, launch: Launch) {
+        self.thrown = true;
+        self.others.push(Onset::Launch(launch));
+    }
+
+    /// Adds a start beside the top.
+    pub fn push_beside_top(&mut self, moments: Box<FirstMoments>) {
+        self.thrown |= !moments.is_at_rest();
+        self.beside_top = true;
+        self.list_others();
+        self.others.push(Onset::BesideTop(moments));
+    }
+
+    /// Lists those from rest among the others.
+    fn list_others(&mut self) {
+        let angles = std::mem::take(&mut self.at_rest);
+        self.others.extend(angles.into_iter().map(|angle| Onset::Launch(Launch::at_rest(angle))));
+    }
+
+    /// Adds the starts of another list after those of this one.
+    pub fn append(&mut self, mut more: StartList) {
+        if self.others.is_empty() && more.others.is_empty() {
+            return self.at_rest.append(&mut more.at_rest);
+        }
+        self.list_others();
+        more.list_others();
+        self.others.append(&mut more.others);
+        self.thrown |= more.thrown;
+        self.beside_top |= more.beside_top;
+    }
+
+    /// The starts.
+    pub fn into_starts(self) -> Starts {
+        let StartList { at_rest, others, thrown, beside_top } = self;
+        if others.is_empty() {
+            return Starts::Rest(at_rest);
+        }
+        if beside_top {
+            return Starts::Mixed { starts: others, thrown };
+        }
+        // Where no start is beside the top, only those with speeds are listed.
+        Starts::Thrown(others.into_iter().map(|start| start.launch(1.0)).collect())
+    }
 }
 
 impl Starts {
@@ -114,6 +231,7 @@ impl Starts {
             Starts::Rest(angles) => angles.len(),
             Starts::Upright(upright) => upright.places.len(),
             Starts::Thrown(launches) => launches.len(),
+            Starts::Mixed { starts, .. } => starts.len(),
             Starts::Resumed { states, .. } => states.len(),
             Starts::Moving(moving) => moving.states.len(),
             Starts::Deep(deep) => deep.leaves.iter().map(|leaf| leaf.points.len()).sum(),
@@ -130,7 +248,11 @@ impl Starts {
 
     /// Returns true if the pendulums had speeds when they set out.
     pub fn are_thrown(&self) -> bool {
-        matches!(self, Starts::Thrown(_) | Starts::Resumed { thrown: true, .. })
+        match self {
+            Starts::Thrown(_) => true,
+            Starts::Mixed { thrown, .. } | Starts::Resumed { thrown, .. } => *thrown,
+            _ => false,
+        }
     }
 
     /// Returns true if there are no pendulums.
@@ -157,6 +279,10 @@ pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Opti
             let speeds = launches.iter().map(|launch| launch.speed.map(|w| w.hi * unit_secs));
             Some(speeds.map(greatest).fold(0.0, f64::max))
         }
+        Starts::Mixed { starts, thrown: true } => {
+            let speeds = |start: &Onset| start.launch(unit_secs).speed.map(|w| w.hi * unit_secs);
+            Some(starts.iter().map(speeds).map(greatest).fold(0.0, f64::max))
+        }
         Starts::Resumed { states, thrown: true } => {
             let speeds = |state| reduced.speeds(&phase_at(&reduced, pace, state));
             Some(states.iter().map(speeds).map(greatest).fold(0.0, f64::max))
@@ -164,6 +290,10 @@ pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Opti
         Starts::Moving(moving) => {
             moving.states.iter().filter_map(|moving| thrown(moving.phase)).reduce(f64::max)
         }
-        Starts::Rest(_) | Starts::Upright(_) | Starts::Resumed { .. } | Starts::Deep(_) => None,
+        Starts::Rest(_)
+        | Starts::Upright(_)
+        | Starts::Mixed { .. }
+        | Starts::Resumed { .. }
+        | Starts::Deep(_) => None,
     }
 }

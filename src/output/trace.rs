@@ -2,10 +2,11 @@
 //! double-double.
 
 use super::trace_channels::TraceChannels;
-use crate::physics::opening::settled;
+use crate::physics::opening::Opening;
+use crate::physics::first_moments::FirstPass;
 use crate::physics::passes::{Pass, passes_in};
 use crate::physics::taylor::{Orbit, TaylorStep};
-use crate::physics::{Dd, Launch, Pendulum, Scalar, State};
+use crate::physics::{Dd, Pendulum, Rule, Scalar, State, Theta};
 use crate::scene::{Scene, in_rad};
 
 /// The numbers of a motion are no longer finite: it is too fast for its pendulum.
@@ -52,6 +53,8 @@ pub struct Trace {
     step: Option<TaylorStep<Dd>>,
     channels: TraceChannels,
     passes: Vec<Pass>,
+    /// Passes in the first moments that have not been told, and the end of these.
+    first: (Vec<Pass>, Dd),
     until: Dd,
     every: Dd,
     /// Number of the next row.
@@ -62,13 +65,24 @@ pub struct Trace {
 
 impl Trace {
     /// Releases a scene's pendulum, for rows from 0 to `until` with `every` between them, in s.
-    pub fn new(scene: &Scene, start: Launch, [until, every]: [Dd; 2]) -> Self {
+    pub fn new(scene: &Scene, start: State<Theta>, [until, every]: [Dd; 2]) -> Self {
         let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
-        let Launch { angle, speed } = start;
-        let at_rest = speed == [Dd::new(0.0); 2];
-        let angle = if at_rest { settled(&pendulum, angle) } else { angle };
-        let start = State { angle, speed };
+        let (reduced, unit_secs) = scene.build.reduced_in::<Theta>();
+        let bobs = Rule::Either.watched();
+        let moments = Opening::new(&reduced, bobs, f64::INFINITY).precise_first_moments(&State {
+            speed: start.speed.map(|speed| speed * unit_secs),
+            ..start
+        });
+        let unit_secs = unit_secs.to_dd();
+        let pass = |pass: &FirstPass| Pass {
+            bob: pass.bob + 1,
+            time: pass.time * unit_secs,
+            anticlockwise: pass.anticlockwise,
+        };
+        let first = moments.passes.iter().map(pass).filter(|pass| pass.time <= until).collect();
+        let start = State { angle: moments.angle, speed: start.speed.map(Theta::to_dd) };
         Trace {
+            first: (first, Dd::new(moments.length) * unit_secs),
             channels: TraceChannels::new(scene, &start),
             energy: pendulum.energy(&start),
             orbit: Orbit::new(pendulum, start),
@@ -111,9 +125,12 @@ impl Trace {
         if !self.orbit.state().speed[1].is_finite() {
             return Err(NotFinite);
         }
-        let first = self.passes.len();
-        self.passes.extend(passes_in(&step).into_iter().filter(|pass| pass.time <= self.until));
-        self.channels.add(&step, &self.passes[first..]);
+        let told = self.passes.len();
+        let (first, from) = (&mut self.first.0, self.first.1);
+        self.passes.append(first);
+        let is_new = |pass: &Pass| pass.time > from && pass.time <= self.until;
+        self.passes.extend(passes_in(&step).into_iter().filter(is_new));
+        self.channels.add(&step, &self.passes[told..]);
         self.step = Some(step);
         Ok(Advance::Step)
     }
@@ -132,14 +149,15 @@ impl Trace {
 
 /// Reads a start, `θ1,θ2` or `θ1,θ2,ω1,ω2` in rad and rad/s, angles also as in `-95deg,0.5pi`; `None`
 /// unless these are numbers between -1e6 and 1e6.
-pub fn launch_from_text(text: &str) -> Option<Launch> {
-    let numbers: Option<Vec<Dd>> = text.split(',').map(|part| Dd::parse(&in_rad(part))).collect();
-    let numbers = numbers.filter(|all| all.iter().all(|number| number.hi.abs() <= 1e6))?;
+pub fn launch_from_text(text: &str) -> Option<State<Theta>> {
+    let numbers: Option<Vec<Theta>> =
+        text.split(',').map(|part| Theta::parse(&in_rad(part))).collect();
+    let numbers = numbers.filter(|all| all.iter().all(|number| number.to_f64().abs() <= 1e6))?;
     let (angle, speed) = match numbers[..] {
-        [theta1, theta2] => ([theta1, theta2], [Dd::new(0.0); 2]),
+        [theta1, theta2] => ([theta1, theta2], [Theta::ZERO; 2]),
         [theta1, theta2, omega1, omega2] => ([theta1, theta2], [omega1, omega2]),
         _ => return None,
     };
-    let near = |theta: Dd| if theta.abs() <= Dd::PI { theta } else { theta.wrapped() };
-    Some(Launch { angle: angle.map(near), speed })
+    let near = |theta: Theta| if theta.abs() <= Theta::pi() { theta } else { theta.wrapped() };
+    Some(State { angle: angle.map(near), speed })
 }

@@ -26,6 +26,15 @@ impl Accumulators {
         log_growth: 0.0,
     };
 
+    /// The quantities of a pendulum along whose motion none were gathered: they agree with no others.
+    pub const UNTOLD: Accumulators =
+        Accumulators { nearest: [f64::NAN; 2], log_growth: f64::NAN, ..Accumulators::NONE };
+
+    /// Returns true unless nothing was gathered along the motion.
+    pub fn are_told(&self) -> bool {
+        !self.log_growth.is_nan()
+    }
+
     /// Returns true if the least distances and the growth of another run are the same, to the
     /// accuracy that answers need. Turns and passes are not compared: they agree if the states do.
     pub fn agrees_with(&self, other: &Accumulators) -> bool {
@@ -57,5 +66,6 @@ mod tests {
         assert!(!one.agrees_with(&Accumulators { nearest: [f64::INFINITY, 0.0], ..one }));
         assert!(one.agrees_with(&Accumulators { log_growth: 4.03, ..one }));
         assert!(!one.agrees_with(&Accumulators { log_growth: 4.1, ..one }));
+        assert!(!one.agrees_with(&Accumulators::UNTOLD) && !Accumulators::UNTOLD.are_told());
     }
 }

@@ -5,36 +5,50 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::real::{Angle, Real};
 
-/// A value and its derivatives along `N` directions; a value may be a register of them.
+/// A number whose leading part, of type `S`, is exact enough for the derivatives of another.
+pub trait Narrow<S>: Real {
+    /// The leading part.
+    fn narrow(self) -> S;
+}
+
+impl<T: Real> Narrow<T> for T {
+    #[inline(always)]
+    fn narrow(self) -> T {
+        self
+    }
+}
+
+/// A value and its derivatives along `N` directions, which may have fewer digits; a value may be a
+/// register of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dual<const N: usize, T = f64> {
+pub struct Dual<const N: usize, T = f64, S = T> {
     /// Value of the number.
     pub value: T,
     /// Derivatives of the value.
-    pub slope: [T; N],
+    pub slope: [S; N],
 }
 
-impl<const N: usize, T: Real> Dual<N, T> {
+impl<const N: usize, T: Narrow<S>, S: Real> Dual<N, T, S> {
     /// A constant.
     #[inline(always)]
     pub fn new(value: T) -> Self {
-        Dual { value, slope: [value.lit(0.0); N] }
+        Dual { value, slope: [value.narrow().lit(0.0); N] }
     }
 
     /// The number f(x, y) = `value` with ∂f/∂x = `by_x` and ∂f/∂y = `by_y`.
     #[inline(always)]
-    fn of(value: T, by_x: T, x: &Self, by_y: T, y: &Self) -> Self {
+    fn of(value: T, by_x: S, x: &Self, by_y: S, y: &Self) -> Self {
         Dual { value, slope: std::array::from_fn(|i| by_x * x.slope[i] + by_y * y.slope[i]) }
     }
 
     /// The number f(x) = `value` with df/dx = `by`.
     #[inline(always)]
-    fn at(value: T, by: T, x: &Self) -> Self {
+    fn at(value: T, by: S, x: &Self) -> Self {
         Dual { value, slope: x.slope.map(|slope| by * slope) }
     }
 }
 
-impl<const N: usize, T: Real> Add for Dual<N, T> {
+impl<const N: usize, T: Narrow<S>, S: Real> Add for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, y: Self) -> Self {
@@ -43,7 +57,7 @@ impl<const N: usize, T: Real> Add for Dual<N, T> {
     }
 }
 
-impl<const N: usize, T: Real> Sub for Dual<N, T> {
+impl<const N: usize, T: Narrow<S>, S: Real> Sub for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, y: Self) -> Self {
@@ -52,24 +66,25 @@ impl<const N: usize, T: Real> Sub for Dual<N, T> {
     }
 }
 
-impl<const N: usize, T: Real> Mul for Dual<N, T> {
+impl<const N: usize, T: Narrow<S>, S: Real> Mul for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, y: Self) -> Self {
-        Dual::of(self.value * y.value, y.value, &self, self.value, &y)
+        Dual::of(self.value * y.value, y.value.narrow(), &self, self.value.narrow(), &y)
     }
 }
 
-impl<const N: usize, T: Real> Div for Dual<N, T> {
+impl<const N: usize, T: Narrow<S>, S: Real> Div for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn div(self, y: Self) -> Self {
         let quotient = self.value / y.value;
-        Dual::of(quotient, y.value.lit(1.0) / y.value, &self, -quotient / y.value, &y)
+        let (near, divisor) = (quotient.narrow(), y.value.narrow());
+        Dual::of(quotient, divisor.lit(1.0) / divisor, &self, -near / divisor, &y)
     }
 }
 
-impl<const N: usize, T: Real> Neg for Dual<N, T> {
+impl<const N: usize, T: Narrow<S>, S: Real> Neg for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -77,7 +92,7 @@ impl<const N: usize, T: Real> Neg for Dual<N, T> {
     }
 }
 
-impl<const N: usize, T: Real> Real for Dual<N, T> {
+impl<const N: usize, T: Narrow<S>, S: Real> Real for Dual<N, T, S> {
     #[inline(always)]
     fn lit(self, value: f64) -> Self {
         Dual::new(self.value.lit(value))
@@ -88,8 +103,9 @@ impl<const N: usize, T: Real> Real for Dual<N, T> {
     }
     #[inline(always)]
     fn add_scaled(&mut self, other: &Self, weight: f64) {
-        let weight = self.value.lit(weight);
-        self.value = other.value * weight + self.value;
+        let value = self.value.lit(weight);
+        self.value = other.value * value + self.value;
+        let weight = value.narrow();
         for (slope, other) in self.slope.iter_mut().zip(&other.slope) {
             *slope = weight * *other + *slope;
         }

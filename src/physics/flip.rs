@@ -83,6 +83,15 @@ pub fn right_secs(unit_secs: f64) -> f64 {
     1e-3 * (unit_secs / DEFAULT_UNIT_SECS).min(1.0)
 }
 
+/// The convention for a bob that begins exactly at the top, at rest or thrown: it counts as being on
+/// the side from which its first motion leads inward, so that it has not passed the top.
+///
+/// Returns the sign of its angle, ±π, from the first coefficient of its motion's power series that is
+/// not zero; none if nothing moves it.
+pub fn side_at_top<T: Scalar>(first_motion: Option<T>) -> Option<T> {
+    first_motion.map(|motion| T::from_f64(if motion > T::zero() { -1.0 } else { 1.0 }))
+}
+
 /// The outcome of a pixel: its status and, if it flipped, the time (s; otherwise 0).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome<T = f64> {
@@ -99,9 +108,14 @@ impl<T: Scalar> Outcome<T> {
         Outcome { status, time }
     }
 
-    /// The outcome of a flip at `time`.
+    /// The outcome of a flip at `time`. No bob flips before its release: a time below 0, or one that is
+    /// no number, is a failure of whatever computed it.
     pub fn flipped(time: T) -> Self {
-        Outcome { status: Status::Flipped, time }
+        if time >= T::zero() {
+            Outcome { status: Status::Flipped, time }
+        } else {
+            Outcome::without_time(Status::Failed)
+        }
     }
 }
 

@@ -5,8 +5,7 @@
 //! on each part the polynomial provably stays away or provably moves one way, or the part is too
 //! short to matter. So a pass that just touches the top is seen, and a near miss is not counted.
 
-use super::flip::{Outcome, Rule, Status};
-use super::opening::settled;
+use super::flip::{Outcome, Rule, Status, side_at_top};
 use super::pendulum::{Pendulum, State};
 use super::polynomial::{evaluate, root_between};
 use super::real::Scalar;
@@ -20,13 +19,7 @@ pub fn outcome<T: Scalar>(
     rule: Rule,
     budget: T,
 ) -> Outcome<T> {
-    if pendulum.forbids(rule, angle) {
-        return Outcome::without_time(Status::Forbidden);
-    }
-    if is_balanced(angle) {
-        return Outcome::without_time(Status::Unflipped);
-    }
-    first_flip(Orbit::new(*pendulum, State::rest(settled(pendulum, angle))), rule, budget)
+    outcome_from(pendulum, &State::rest(angle), rule, budget)
 }
 
 /// The outcome, likewise, of a start in rad (within (−π, π]) that may have speeds in rad/s.
@@ -36,17 +29,67 @@ pub fn outcome_from<T: Scalar>(
     rule: Rule,
     budget: T,
 ) -> Outcome<T> {
-    if start.speed == [T::zero(); 2] {
-        return outcome(pendulum, start.angle, rule, budget);
-    }
-    if pendulum.forbids_depth(rule, -pendulum.energy(start)) {
-        return Outcome::without_time(Status::Forbidden);
-    }
-    first_flip(Orbit::new(*pendulum, *start), rule, budget)
+    outcome_in_bits(pendulum, start, rule, budget, &|_| u32::MAX)
 }
 
-fn first_flip<T: Scalar>(mut orbit: Orbit<T>, rule: Rule, budget: T) -> Outcome<T> {
+/// The same, with errors of about 2^−`bits` in the step that begins at a time in seconds; floating-point
+/// types use all their digits.
+pub fn outcome_in_bits<T: Scalar>(
+    pendulum: &Pendulum<T>,
+    start: &State<T>,
+    rule: Rule,
+    budget: T,
+    bits: &dyn Fn(f64) -> u32,
+) -> Outcome<T> {
+    let at_rest = start.speed == [T::zero(); 2];
+    let depth = match at_rest {
+        true => pendulum.depth(start.angle.map(|theta| theta.sin_cos().1)),
+        false => -pendulum.energy(start),
+    };
+    if pendulum.forbids_depth(rule, depth) {
+        return Outcome::without_time(Status::Forbidden);
+    }
+    if at_rest && is_balanced(start.angle) {
+        return Outcome::without_time(Status::Unflipped);
+    }
+    first_flip(pendulum, start, rule, budget, bits)
+}
+
+/// A start with each bob that is exactly at the top put on the side on which it counts as being (see
+/// [`side_at_top`]), by the expansion of its motion.
+pub fn settled<T: Scalar>(pendulum: &Pendulum<T>, start: &State<T>) -> State<T> {
+    if start.angle.iter().all(|theta| theta.abs() < T::pi()) {
+        return *start;
+    }
+    let step = Orbit::new(*pendulum, *start).step();
+    let side = |bob: usize| {
+        let motion = &step.angle[bob][1..];
+        let largest = motion.iter().fold(T::zero(), |most, c| most.max(c.abs()));
+        let noise = T::from_f64(NOISE * T::EPSILON) * largest;
+        let is_moving = |(k, c): (usize, &T)| c.abs() > noise || (k == 0 && *c != T::zero());
+        let first = motion.iter().enumerate().find(|term| is_moving(*term));
+        side_at_top(first.map(|(_, c)| *c))
+    };
+    let angle = [0, 1].map(|bob| match start.angle[bob] {
+        theta if theta.abs() < T::pi() => theta,
+        theta => side(bob).map_or(theta, |side| side * T::pi()),
+    });
+    State { angle, ..*start }
+}
+
+/// Rounding errors of an expansion's coefficients, in epsilons of the largest.
+const NOISE: f64 = 256.0;
+
+fn first_flip<T: Scalar>(
+    pendulum: &Pendulum<T>,
+    start: &State<T>,
+    rule: Rule,
+    budget: T,
+    bits: &dyn Fn(f64) -> u32,
+) -> Outcome<T> {
+    let mut orbit = Orbit::new(*pendulum, settled(pendulum, start));
     while orbit.time() <= budget {
+        orbit.lower_bits(bits(orbit.time().to_f64()));
         let step = orbit.step();
         if !orbit.state().speed[1].is_finite() {
             return Outcome::without_time(Status::Failed);
@@ -92,7 +135,7 @@ pub fn passages<T: Scalar>(angle: &[T], length: T) -> Vec<T> {
         let below: Vec<T> = above.iter().map(|&c| -c).collect();
         for f in [above, below] {
             let mut from = T::zero();
-            while let Some(time) = first_rise(&f, [from, length], resolved(), MOST_HALVINGS) {
+            while let Some(time) = first_rise(&f, [from, length], resolved(), most_halvings::<T>()) {
                 times.push(time);
                 from = time + length * T::from_f64(1e-9);
             }
@@ -117,7 +160,7 @@ fn first_passage<T: Scalar>(angle: &[T], length: T) -> Option<T> {
         .filter_map(|side| {
             let mut above: Vec<T> = angle.iter().map(|&c| c * T::from_f64(side)).collect();
             above[0] = above[0] - T::pi();
-            first_rise(&above, [T::zero(), length], resolved(), MOST_HALVINGS)
+            first_rise(&above, [T::zero(), length], resolved(), most_halvings::<T>())
         })
         .reduce(|a, b| if b < a { b } else { a })
 }
@@ -127,8 +170,10 @@ fn resolved<T: Scalar>() -> T {
     T::from_f64(8.0 * T::EPSILON)
 }
 
-/// Maximum number of halvings: below 2⁻⁵⁰ of a step nothing is left to separate.
-const MOST_HALVINGS: usize = 50;
+/// Maximum number of halvings: below this part of a step nothing is left to separate.
+fn most_halvings<T: Scalar>() -> usize {
+    (-T::EPSILON.log2()).ceil().max(50.0) as usize
+}
 
 /// The first time in (from, to] at which `f` rises to zero from below; parts in which it moves by
 /// less than `least` cannot be resolved.
@@ -189,7 +234,7 @@ mod tests {
     use crate::physics::Fixed;
 
     fn rise(f: &[f64], to: f64) -> Option<f64> {
-        first_rise(f, [0.0, to], resolved(), MOST_HALVINGS)
+        first_rise(f, [0.0, to], resolved(), most_halvings::<f64>())
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::real::Real;
 use super::transport::transported_as;
 
 /// A state with its derivatives by the four numbers of its start.
-pub type Tangents<T> = Phase<Dual<4, T>>;
+pub type Tangents<T, S = T> = Phase<Dual<4, T, S>>;
 
 /// Largest slope before all slopes are divided by this power of two, so that none overflows in f32
 /// within a stretch of steps; the division rounds nothing.

@@ -7,7 +7,7 @@ use super::lattice::{Cell, side_rad};
 use super::plane::{omega2_beside, speeds_on_section, square_of_omega1};
 use super::{Axis, Build, Plane};
 use crate::physics::jet::Jet;
-use crate::physics::{Angle, Pendulum, Scalar, State, Theta};
+use crate::physics::{Angle, Pendulum, Rule, Scalar, State, Theta};
 
 /// A plane of starts in exact numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +56,13 @@ impl ExactPlane {
         self.section.is_none()
     }
 
+    /// Returns true if the energy that all starts of a section share forbids every flip; none if it is
+    /// no section.
+    pub fn forbids_section(&self, rule: Rule) -> Option<bool> {
+        let Section { energy, pendulum } = &self.section?;
+        Some(pendulum.forbids_depth(rule, -*energy))
+    }
+
     /// Returns true if its starts are at rest.
     pub fn is_at_rest(&self) -> bool {
         let is_still =
@@ -84,10 +91,16 @@ impl ExactPlane {
     /// where a section has no real solution.
     pub fn start(&self, cell: &Cell, at: [f64; 2]) -> Option<State<Theta>> {
         let half = Theta::from_f64(self.half_side(cell.level));
+        let center = cell.center().map(|middle| middle.doubled(self.doublings));
+        self.start_at([0, 1].map(|i| center[i] + Theta::from_f64(at[i]) * half))
+    }
+
+    /// The start at a position in the units of the axes; angles in (−π, π] rad, speeds in rad/s. None
+    /// where a section has no real solution.
+    pub fn start_at(&self, position: [Theta; 2]) -> Option<State<Theta>> {
         let mut start = self.origin;
-        for (i, place) in self.places.into_iter().enumerate() {
-            let middle = cell.center()[i].doubled(self.doublings);
-            start[place] = middle + Theta::from_f64(at[i]) * half;
+        for (place, value) in self.places.into_iter().zip(position) {
+            start[place] = value;
         }
         let [theta1, theta2, omega1, last] = start;
         let angle = [theta1, theta2].map(Theta::wrapped);

@@ -3,8 +3,10 @@
 use super::leaf_grid::{Grouped, LeafGrid};
 use super::plane::{PlaneNumbers, wrapped};
 use super::{Axis, ExactPlane, Sampling, Scene};
-use crate::physics::opening::{Begin, Opening, from_top};
-use crate::physics::{Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, Status, Theta, oracle};
+use crate::physics::first_moments::{FirstMoments, FirstPass};
+use crate::physics::opening::{Opening, from_top};
+use crate::physics::phase::Phase;
+use crate::physics::{Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, State, Status, Theta, oracle};
 
 /// The starts of a picture of a scene.
 #[derive(Clone, Debug)]
@@ -17,19 +19,23 @@ pub struct Grid {
     right: [Dd; 2],
     up: [Dd; 2],
     plane: PlaneNumbers,
-    /// The plane of cells that can be followed; none where none can.
-    cell_plane: Option<ExactPlane>,
+    exact_plane: ExactPlane,
+    /// True if the plane's cells can be followed.
+    has_cells: bool,
     passes: u32,
     pendulum: Pendulum<f64>,
     exact: Pendulum<Dd>,
+    /// The pendulum in reduced units, and its unit of time in s.
+    reduced: (Pendulum<Theta>, Theta),
+    /// True if the energy that all starts of a section share forbids every flip; none on other planes.
+    forbids_section: Option<bool>,
     rule: Rule,
     opening: Opening,
-    unit_secs: f64,
     budget_secs: f64,
 }
 
 /// The outcome of a pixel if it is known before any step is taken, or else its start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Fate {
     /// The whole outcome is known: energy conservation forbids the flip, or the pendulum is
     /// balanced for ever, or it passes the top in its first moments.
@@ -38,6 +44,8 @@ pub enum Fate {
     Open([Dd; 2]),
     /// The pixel has to be simulated from this start, which has speeds.
     Thrown(Launch),
+    /// The pixel has to be simulated from the end of its first moments.
+    BesideTop(Box<FirstMoments>),
 }
 
 /// The angle at an offset from π. Opposite offsets have exactly opposite angles; at π itself, which
@@ -52,12 +60,12 @@ fn beside_pi(by: Dd, other: Dd) -> Dd {
     if angle >= -Dd::PI { angle } else { angle.wrapped() }
 }
 
-/// Distance from the top in rad below which double-double cannot tell its two sides apart.
-pub(super) const INDISTINCT_RAD: f64 = 1e-29;
 /// Depth beyond which the sign of the energy in f64 is sure, as a share of P + Q.
 pub(super) const SURE: f64 = 1e-12;
 /// Depth below which the energy is computed in double-double, as a share of P + Q.
 const NEAR: f64 = 1e-9;
+/// Depth beyond which the sign of the energy in double-double is sure, as a share of P + Q.
+const SURE_IN_DD: f64 = 1e-28;
 
 impl Grid {
     /// The grid of a checked scene for a picture of `size` pixels.
@@ -100,27 +108,29 @@ impl Grid {
         up: [Dd; 2],
         size: [u32; 2],
     ) -> Self {
-        let pendulum = scene.build.pendulum();
-        let cell_plane = Self::cell_plane_of(scene, center, [right, up], size);
-        let spots = match &cell_plane {
-            Some(plane) => LeafGrid::new(plane, center, [right, up]),
-            None => LeafGrid::new(&ExactPlane::AT_REST, center, [right, up]),
-        };
+        let exact_plane = ExactPlane::new(&scene.plane, &scene.build);
+        let has_cells = scene.has_cells() && Self::is_reached(&exact_plane, center, [right, up], size);
+        let leaf_plane = if has_cells { &exact_plane } else { &ExactPlane::AT_REST };
+        let reduced = scene.build.reduced_in::<Theta>();
+        let rule = scene.question.watched();
+        let budget = scene.question.end_secs() / reduced.1.to_f64();
         Grid {
             size,
             center: center.map(Theta::to_dd),
             exact_center: center,
-            spots,
+            spots: LeafGrid::new(leaf_plane, center, [right, up]),
             right,
             up,
             plane: scene.plane.numbers(),
-            cell_plane,
+            forbids_section: exact_plane.forbids_section(rule),
+            exact_plane,
+            has_cells,
             passes: scene.question.passes(),
-            pendulum,
+            pendulum: scene.build.pendulum(),
             exact: scene.build.pendulum_in(),
-            rule: scene.question.watched(),
-            opening: Opening::new(&scene.build.reduced_in().0, scene.question.watched()),
-            unit_secs: scene.build.unit_secs(),
+            opening: Opening::new(&reduced.0, scene.question.bobs_at_top(), budget),
+            reduced,
+            rule,
             budget_secs: scene.question.end_secs(),
         }
     }
@@ -150,9 +160,10 @@ impl Grid {
         self.rule
     }
 
-    /// Distance of a watched bob from the top within which its first moments may decide, rad.
+    /// Distance of a bob from the top within which its first moments may decide, if it is released from
+    /// rest, rad.
     pub(super) fn opening_rad(&self) -> f64 {
-        self.opening.near_rad()
+        self.opening.rest_near_rad()
     }
 
     /// The same pixels in the leaves of another, finer grid, so that both are followed along the
@@ -195,12 +206,14 @@ impl Grid {
         })
     }
 
-    /// The same angles to all digits.
-    fn exact_angle_from_pixel(&self, column: u32, row: u32) -> [Theta; 2] {
+    /// The start of a pixel to all digits: angles in (−π, π] rad, speeds in rad/s; none where a section
+    /// has no real solution.
+    pub fn exact_start(&self, column: u32, row: u32) -> Option<State<Theta>> {
         let [x, y] = self.pixels_from_center(column, row).map(Theta::from_f64);
         let along = |by: [Dd; 2]| by.map(Theta::from_dd);
         let (right, up) = (along(self.right), along(self.up));
-        [0, 1].map(|i| (self.exact_center[i] + (x * right[i] + y * up[i])).wrapped())
+        let position = [0, 1].map(|i| self.exact_center[i] + (x * right[i] + y * up[i]));
+        self.exact_plane.start_at(position)
     }
 
     /// Offset of a pixel's middle from the centre, to the right and upwards, in pixels.
@@ -262,105 +275,156 @@ impl Grid {
 
     /// Determines as much of a pixel's outcome as is known beforehand.
     pub fn fate(&self, column: u32, row: u32) -> Fate {
-        let angle = self.angle_from_pixel(column, row);
-        if !self.plane.is_at_rest {
-            return self.fate_in_motion(angle);
+        let forbidden = Fate::Known(Outcome::without_time(Status::Forbidden));
+        let Some(launch) = self.launch(column, row) else { return forbidden };
+        if self.rule != Rule::Neither && self.is_forbidden(&launch, column, row) {
+            return forbidden;
         }
-        if self.rule == Rule::Neither {
-            return Fate::Open(angle);
+        if let Some(moments) = self.first_moments(&launch, column, row) {
+            return self.fate_beside_top(moments, column, row);
         }
-        if self.is_forbidden(angle) {
-            return Fate::Known(Outcome::without_time(Status::Forbidden));
-        }
-        if oracle::is_balanced(angle) {
+        if self.rule != Rule::Neither && launch.is_at_rest() && oracle::is_balanced(launch.angle) {
             return Fate::Known(Outcome::without_time(Status::Unflipped));
         }
-        match self.opening_near(angle, column, row) {
-            Some(outcome) => Fate::Known(outcome),
-            None => Fate::Open(self.kept_inside(angle, column, row)),
+        if self.plane.is_at_rest { Fate::Open(launch.angle) } else { Fate::Thrown(launch) }
+    }
+
+    /// The start of a pixel in double-double; none where a section has no real solution.
+    fn launch(&self, column: u32, row: u32) -> Option<Launch> {
+        let at = self.angle_from_pixel(column, row);
+        match self.plane.is_at_rest {
+            true => Some(Launch::at_rest(at)),
+            false => self.plane.launch(&self.exact, at),
         }
     }
 
-    /// The fate of a start with speeds. At the top itself, a bob that moves on anticlockwise leaves
-    /// (−π, π] at once.
-    fn fate_in_motion(&self, at: [Dd; 2]) -> Fate {
-        let Some(launch) = self.plane.launch(&self.exact, at) else {
-            return Fate::Known(Outcome::without_time(Status::Forbidden));
-        };
-        if self.rule != Rule::Neither && self.exact.forbids_launch(self.rule, &launch) {
-            return Fate::Known(Outcome::without_time(Status::Forbidden));
-        }
-        let zero = Dd::new(0.0);
-        let leaves = |&bob: &usize| launch.angle[bob] == Dd::PI && launch.speed[bob] > zero;
-        if self.rule.watched().iter().any(leaves) {
-            return Fate::Known(Outcome::flipped(0.0));
-        }
-        let is_balanced = launch.speed == [zero; 2] && oracle::is_balanced(launch.angle);
-        if is_balanced && self.rule != Rule::Neither {
-            return Fate::Known(Outcome::without_time(Status::Unflipped));
-        }
-        Fate::Thrown(launch)
+    /// Returns true if a pixel with this start begins so near the top that its first moments must be
+    /// decided.
+    fn concerns_opening(&self, launch: &Launch) -> bool {
+        let unit_secs = self.reduced.1.to_f64();
+        let speed = launch.speed.map(|speed| speed.hi * unit_secs);
+        self.opening.concerns(launch.angle.map(|angle| from_top(angle).hi), speed)
     }
 
-    fn cell_plane_of(
-        scene: &Scene,
+    /// The first moments of a pixel with this start, if it begins so near the top that these must be
+    /// decided.
+    fn first_moments(&self, launch: &Launch, column: u32, row: u32) -> Option<FirstMoments> {
+        if !self.concerns_opening(launch) {
+            return None;
+        }
+        Some(self.opening.first_moments(&self.exact_reduced(column, row)?))
+    }
+
+    /// The start of a pixel to all digits, with speeds in reduced units.
+    fn exact_reduced(&self, column: u32, row: u32) -> Option<State<Theta>> {
+        let start = self.exact_start(column, row)?;
+        Some(State { speed: start.speed.map(|speed| speed * self.reduced.1), ..start })
+    }
+
+    /// The fate of a start beside the top.
+    fn fate_beside_top(&self, moments: FirstMoments, column: u32, row: u32) -> Fate {
+        if let Some(pass) = moments.passes.get(self.passes as usize - 1)
+            && self.rule != Rule::Neither
+        {
+            return Fate::Known(self.outcome_of(pass));
+        }
+        let is_balanced = |start: State<Theta>| oracle::is_balanced(start.angle);
+        if self.rule != Rule::Neither
+            && moments.is_at_rest()
+            && self.exact_start(column, row).is_some_and(is_balanced)
+        {
+            return Fate::Known(Outcome::without_time(Status::Unflipped));
+        }
+        match (moments.is_plain(), self.plane.is_at_rest) {
+            (true, true) => Fate::Open(moments.angle),
+            (true, false) => Fate::Thrown(moments.launch(self.reduced.1.to_dd())),
+            (false, _) => Fate::BesideTop(Box::new(moments)),
+        }
+    }
+
+    /// The outcome of a pass in the first moments.
+    fn outcome_of(&self, pass: &FirstPass) -> Outcome {
+        let secs = pass.time.hi * self.reduced.1.to_f64();
+        if secs <= self.budget_secs {
+            Outcome::flipped(secs)
+        } else {
+            Outcome::without_time(Status::Unflipped)
+        }
+    }
+
+    /// Returns true if the lattice reaches all starts of a picture.
+    fn is_reached(
+        plane: &ExactPlane,
         center: [Theta; 2],
         [right, up]: [[Dd; 2]; 2],
         size: [u32; 2],
-    ) -> Option<ExactPlane> {
-        let plane = scene.has_cells().then(|| ExactPlane::new(&scene.plane, &scene.build))?;
+    ) -> bool {
         let [width, height] = size.map(f64::from);
         let half = [0, 1].map(|i| 0.5 * (width * right[i].hi.abs() + height * up[i].hi.abs()));
-        plane.reaches(center.map(Theta::to_f64), half).then_some(plane)
+        plane.reaches(center.map(Theta::to_f64), half)
     }
 
     /// The plane of the cells of starts that can be followed; none where the starts move faster than
     /// the lattice reaches, or a cell's polynomials do not answer the question.
     pub fn cell_plane(&self) -> Option<ExactPlane> {
-        self.cell_plane
+        self.has_cells.then_some(self.exact_plane)
     }
 
-    /// The outcome of a pixel that passes the top in its first moments; `None` for any other.
-    pub fn opening(&self, column: u32, row: u32) -> Option<Outcome> {
-        self.opening_near(self.angle_from_pixel(column, row), column, row)
-    }
-
-    fn opening_near(&self, angle: [Dd; 2], column: u32, row: u32) -> Option<Outcome> {
-        // Later passes are not known from the first moments, nor are those of thrown pendulums.
-        let begins = self.passes == 1 && self.plane.is_at_rest;
-        if !begins || !self.opening.concerns(angle.map(|theta| theta.hi)) {
+    /// The pass of the top, the question's last, that a pixel makes in its first moments; `None` for
+    /// any other.
+    fn first_pass(&self, column: u32, row: u32) -> Option<(FirstPass, FirstMoments)> {
+        if self.rule == Rule::Neither {
             return None;
         }
-        match self.opening.begin(self.exact_angle_from_pixel(column, row)) {
-            Begin::Stays => None,
-            Begin::Passes(time) if time * self.unit_secs <= self.budget_secs => {
-                Some(Outcome::flipped(time * self.unit_secs))
-            }
-            Begin::Passes(_) => Some(Outcome::without_time(Status::Unflipped)),
+        let moments = self.first_moments(&self.launch(column, row)?, column, row)?;
+        Some((*moments.passes.get(self.passes as usize - 1)?, moments))
+    }
+
+    /// The outcome of a pixel that passes the top in its first moments, or is balanced there for ever;
+    /// `None` for any other.
+    pub fn outcome_beside_top(&self, column: u32, row: u32) -> Option<Outcome> {
+        if self.rule == Rule::Neither {
+            return None;
+        }
+        let moments = self.first_moments(&self.launch(column, row)?, column, row)?;
+        match self.fate_beside_top(moments, column, row) {
+            Fate::Known(outcome) => Some(outcome),
+            _ => None,
         }
     }
 
-    /// The angles of a start that stays on its side of the top at first, kept on that side where
-    /// double-double cannot tell the sides apart.
-    fn kept_inside(&self, angle: [Dd; 2], column: u32, row: u32) -> [Dd; 2] {
-        if angle.iter().all(|&theta| from_top(theta).abs().hi > INDISTINCT_RAD) {
-            return angle;
-        }
-        let exact = self.opening.settled(self.exact_angle_from_pixel(column, row));
-        [0, 1].map(|i| {
-            let top = if exact[i] > Theta::ZERO { Dd::PI } else { -Dd::PI };
-            if from_top(exact[i]).abs().to_f64() > INDISTINCT_RAD { angle[i] } else { top }
-        })
+    /// Returns true if a pixel begins so near the top that its first moments are decided.
+    pub fn is_beside_top(&self, column: u32, row: u32) -> bool {
+        self.launch(column, row).is_some_and(|launch| self.concerns_opening(&launch))
     }
 
-    /// True if energy forbids the flip: tested in f64, or in double-double where f64 cannot tell.
-    fn is_forbidden(&self, angle: [Dd; 2]) -> bool {
+    /// The unit vectors and momenta (reduced) of a pixel as it passes the top in its first moments.
+    pub fn phase_at_first_pass(&self, column: u32, row: u32) -> Option<Phase<f64>> {
+        let (pass, moments) = self.first_pass(column, row)?;
+        Some(moments.phase_at(&pass, &self.reduced.0.to_f64()))
+    }
+
+    /// True if energy forbids the flip: tested in f64, or in double-double where f64 cannot tell, or in
+    /// all digits.
+    fn is_forbidden(&self, launch: &Launch, column: u32, row: u32) -> bool {
+        if let Some(forbidden) = self.forbids_section {
+            return forbidden;
+        }
         let Pendulum { p, q, .. } = self.pendulum;
-        let near = self.energy_depth(angle.map(|theta| theta.hi));
-        if near.abs() > SURE * (p + q) {
-            return self.pendulum.q <= 0.0 || near > 0.0;
+        if self.plane.is_at_rest {
+            let near = self.energy_depth(launch.angle.map(|theta| theta.hi));
+            if near.abs() > SURE * (p + q) {
+                return q <= 0.0 || near > 0.0;
+            }
         }
-        self.exact.forbids(self.rule, angle)
+        let Launch { angle, speed } = *launch;
+        let depth = -self.exact.energy(&State { angle, speed });
+        let beyond = (depth - self.exact.least_depth(self.rule)).hi;
+        if beyond.abs() > SURE_IN_DD * (p + q) {
+            return q <= 0.0 || beyond > 0.0;
+        }
+        let (pendulum, start) = (&self.reduced.0, self.exact_reduced(column, row));
+        start.is_some_and(|start| pendulum.forbids_depth(self.rule, -pendulum.energy(&start)))
     }
 }
 
@@ -463,7 +527,7 @@ mod tests {
             panic!()
         };
         assert!(time > 0.0 && time < 1e-15);
-        let Fate::Open([_, theta2]) = fate(["-2", pi], Rule::Second) else { panic!() };
-        assert_eq!(theta2, Dd::PI);
+        let Fate::BesideTop(moments) = fate(["-2", pi], Rule::Second) else { panic!() };
+        assert!(moments.angle[1] == Dd::PI && moments.passes.is_empty() && moments.length > 0.0);
     }
 }

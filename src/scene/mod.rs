@@ -224,6 +224,14 @@ impl QuestionTable {
         self.ask.kind().follows_cells && self.passes() == 1
     }
 
+    /// Indices of the bobs whose passes of the top an answer tells or counts.
+    pub fn bobs_at_top(&self) -> &'static [usize] {
+        match self.watched() {
+            Rule::Neither if self.ask.kind().needs == Needs::End => Rule::Either.watched(),
+            rule => rule.watched(),
+        }
+    }
+
     /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.
     pub fn passes(&self) -> u32 {
         if self.ask.kind().has_count { self.count } else { self.ask.kind().passes }

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::Grid;
-use super::grid::{INDISTINCT_RAD, SURE};
+use super::grid::SURE;
 use crate::physics::opening::from_top;
 use crate::physics::{Dd, Rule};
 
@@ -42,7 +42,7 @@ impl Grid {
         let theta1: Vec<Dd> = columns.map(|x| self.angle_from_pixel(x, y)[0]).collect();
         let theta2: Vec<Dd> = rows.map(|y| self.angle_from_pixel(x, y)[1]).collect();
         let pendulum = self.pendulum();
-        let near_rad = self.opening_rad().max(INDISTINCT_RAD);
+        let near_rad = self.opening_rad();
         let part = |angle: &Dd, weight: f64, least: f64| {
             let is_plain = from_top(angle.hi).abs() > near_rad && angle.hi != 0.0;
             if is_plain { weight * angle.hi.cos() - least } else { f64::NAN }
@@ -108,7 +108,7 @@ mod tests {
                     Fate::Known(outcome) => {
                         assert!(is_forbidden && outcome.status == Status::Forbidden, "({x}, {y})");
                     }
-                    Fate::Thrown(_) => panic!("from rest"),
+                    Fate::Thrown(_) | Fate::BesideTop(_) => panic!("from rest, far from the top"),
                 }
             }
             assert!(sure > size[0] * size[1] / 2, "{sure} of {size:?}");

@@ -335,12 +335,12 @@ impl TileSource for Explorer {
         if !ask.is_time() {
             let grids: Vec<_> = cells.iter().map(|cell| cell.grid(&scene, SIDE)).collect();
             let in_cell = stride.count(SIDE);
-            let start = |index: usize| {
+            let phase = |index: usize| {
                 let (k, index) = (index / in_cell as usize, index as u32 % in_cell);
                 let [column, row] = stride.place(index, SIDE);
-                grids[k].angle_from_pixel(column, row)
+                grids[k].phase_at_first_pass(column, row)
             };
-            open.samples = Reader::new(ask, &question).complete(open.samples, start);
+            open.samples = Reader::new(ask, &question).complete(open.samples, phase);
         }
         let keeps_states = target.physics.keeps_states() && !set.refined;
         let batched = |cell| BatchCell::new(cell, self.cache.peek(set, cell), stride);

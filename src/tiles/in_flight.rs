@@ -51,7 +51,10 @@ pub(super) trait TileSource {
     ) -> Result<bool, EngineError> {
         let mut news = false;
         while self.in_flight().len() < engine.slots() {
-            let Some(next) = self.next_tile(engine.job_size()) else { break };
+            let Some(mut next) = self.next_tile(engine.job_size()) else { break };
+            if engine.distrusts() {
+                next.open.samples.distrust();
+            }
             if next.open.is_settled() {
                 self.take(FinishedBatch::settled(next.tile, next.open.samples));
                 news = true;

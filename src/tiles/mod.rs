@@ -24,6 +24,7 @@ mod feasible;
 mod in_flight;
 pub mod moments;
 mod open_tile;
+mod direct_check;
 mod opinion;
 mod order;
 mod outlook;

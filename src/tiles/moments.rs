@@ -6,7 +6,9 @@ use std::ops::Range;
 use super::plan::plan;
 use super::reader::Reader;
 use super::samples::Samples;
-use crate::engine::{Engine, EngineError, IntegratorConfig, Keep, Question, Starts, run_job};
+use crate::engine::{
+    Engine, EngineError, IntegratorConfig, Keep, Question, StartList, Starts, run_job,
+};
 use crate::scene::film::{Film, FilmKind};
 use crate::scene::{Fate, Grid, Scene};
 
@@ -50,7 +52,7 @@ impl Moments {
         let mut samples = Samples::unanswered(count, ask.kind().channels.len());
         let mut batches = Vec::new();
         for tile in plan(size[0], rows.clone(), job_size) {
-            let (mut places, mut angles, mut launches) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut places, mut starts) = (Vec::new(), StartList::default());
             for [x, y] in tile.pixels() {
                 let place = (y - rows.start) * size[0] + x;
                 match grid.fate(x, y) {
@@ -58,15 +60,13 @@ impl Moments {
                         samples.set_values(place as usize, outcome.status, &[]);
                         continue;
                     }
-                    Fate::Open(angle) => angles.push(angle),
-                    Fate::Thrown(launch) => launches.push(launch),
+                    Fate::Open(angle) => starts.push_at_rest(angle),
+                    Fate::Thrown(launch) => starts.push_thrown(launch),
+                    Fate::BesideTop(moments) => starts.push_beside_top(moments),
                 }
                 places.push(place);
             }
-            // A plane has starts of one kind.
-            let is_at_rest = launches.is_empty();
-            let starts = if is_at_rest { Starts::Rest(angles) } else { Starts::Thrown(launches) };
-            batches.push(Batch { places, starts });
+            batches.push(Batch { places, starts: starts.into_starts() });
         }
         let reader = Reader::new(ask, &question);
         Moments { question, config, reader, samples, batches, reached_secs: 0.0 }

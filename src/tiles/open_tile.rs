@@ -9,8 +9,10 @@ use super::plan::Tile;
 use super::samples::{RowMut, Samples};
 use super::saved_pixels::SavedPixel;
 use super::stride::Stride;
-use crate::engine::{Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Starts, Trust, Upright};
-use crate::physics::{Dd, Launch, Outcome};
+use crate::engine::{
+    Cells, Deep, IntegratorConfig, IntegratorState, Leaf, StartList, Starts, Trust, Upright,
+};
+use crate::physics::Outcome;
 use crate::scene::lattice::Cell;
 use crate::scene::{ExactPlane, Fate, Grid, Grouped, Scene, UprightGrid};
 
@@ -148,19 +150,18 @@ impl OpenTile {
                 self.set(place, outcome, trust);
             }
             self.places.extend(part.places);
-            all.angles.extend(part.angles);
-            all.launches.extend(part.launches);
+            all.starts.append(part.starts);
             all.resumed.extend(part.resumed);
             all.thrown |= part.thrown;
         }
-        let begins = !(all.angles.is_empty() && all.launches.is_empty());
-        debug_assert!(all.resumed.is_empty() || !begins, "places of new starts had no samples");
-        self.starts = if !all.resumed.is_empty() {
-            Starts::Resumed { states: all.resumed, thrown: all.thrown }
-        } else if !all.launches.is_empty() {
-            Starts::Thrown(all.launches)
+        debug_assert!(
+            all.resumed.is_empty() || all.starts.is_empty(),
+            "places of new starts had no samples"
+        );
+        self.starts = if all.resumed.is_empty() {
+            all.starts.into_starts()
         } else {
-            Starts::Rest(all.angles)
+            Starts::Resumed { states: all.resumed, thrown: all.thrown }
         };
     }
 
@@ -248,7 +249,7 @@ fn open_runs(
             Fate::Open(angle) if angle == upright.angle(column as usize, row as usize) => {
                 open.push(first..first + 1);
             }
-            Fate::Open(_) | Fate::Thrown(_) => return None,
+            Fate::Open(_) | Fate::Thrown(_) | Fate::BesideTop(_) => return None,
         }
         column += 1;
     }
@@ -264,8 +265,7 @@ struct Sorted {
     known: Vec<(u32, Outcome, Trust)>,
     /// Index of the sample of each start.
     places: Vec<u32>,
-    angles: Vec<[Dd; 2]>,
-    launches: Vec<Launch>,
+    starts: StartList,
     resumed: Vec<IntegratorState>,
     /// True if the resumed ones were thrown.
     thrown: bool,
@@ -285,11 +285,16 @@ impl Sorted {
                     continue;
                 }
                 (fate, Some((SavedPixel::Unfinished(state), _))) => {
-                    sorted.thrown = matches!(fate, Fate::Thrown(_));
+                    sorted.thrown |= match fate {
+                        Fate::Thrown(_) => true,
+                        Fate::BesideTop(moments) => !moments.is_at_rest(),
+                        _ => false,
+                    };
                     sorted.resumed.push(state);
                 }
-                (Fate::Open(angle), None) => sorted.angles.push(angle),
-                (Fate::Thrown(launch), None) => sorted.launches.push(launch),
+                (Fate::Open(angle), None) => sorted.starts.push_at_rest(angle),
+                (Fate::Thrown(launch), None) => sorted.starts.push_thrown(launch),
+                (Fate::BesideTop(moments), None) => sorted.starts.push_beside_top(moments),
             }
             sorted.places.push(place);
         }
@@ -302,7 +307,7 @@ impl Sorted {
 fn known_deep((grid, [x, y], known): (&Grid, [u32; 2], Option<Known>)) -> Option<(Outcome, Trust)> {
     match known {
         Some((SavedPixel::Over(outcome), trust)) => Some((outcome, trust)),
-        _ => grid.opening(x, y).map(|outcome| (outcome, Trust::Agreed)),
+        _ => grid.outcome_beside_top(x, y).map(|outcome| (outcome, Trust::Agreed)),
     }
 }
 
@@ -351,10 +356,8 @@ mod tests {
             width: "1e-9".into(),
             ..View::default()
         };
-        let scenes = [home, Scene { view: top, ..Scene::default() }];
-        for (scene, size) in
-            scenes.iter().flat_map(|scene| [[64, 50], [40, 33]].map(|s| (scene, s)))
-        {
+        for size in [[64, 50], [40, 33]] {
+            let scene = &home;
             let grid = Grid::new(&scene.clone().checked().unwrap(), size);
             let tile = Tile { origin: [0, 7], size: [size[0], 20] };
             let upright = OpenTile::of_upright(&grid, &tile).expect("not turned");
@@ -363,6 +366,10 @@ mod tests {
             assert_eq!((&upright.samples, &upright.places), (&each.samples, &each.places));
             assert_eq!(upright.starts.listed(), each.starts);
         }
+        let beside_the_top = Scene { view: top, ..Scene::default() };
+        let grid = Grid::new(&beside_the_top.checked().unwrap(), [64, 50]);
+        let tile = Tile { origin: [0, 7], size: [64, 20] };
+        assert!(OpenTile::of_upright(&grid, &tile).is_none());
     }
 
     #[test]

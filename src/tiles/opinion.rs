@@ -1,8 +1,15 @@
-//! A second opinion on a deep picture: some of its pixels integrated directly.
+//! A second opinion on a picture whose answers come from start maps or first moments: some of its
+//! pixels integrated directly.
 
+use super::Samples;
+use super::direct_check::{Answered, DirectCheck};
 use super::open_tile::OpenTile;
+use super::reader::Reader;
 use crate::engine::trust::{Opinion, TrustEngine};
-use crate::engine::{Cells, EngineError, IntegratorConfig, Question, Starts};
+use crate::engine::{
+    Cells, Engine, EngineError, IntegratorConfig, Keep, Question, Starts, Trust, run_job,
+};
+use crate::physics::Status;
 use crate::scene::{Grid, Scene};
 
 /// Maximum number of pixels that are integrated directly.
@@ -10,27 +17,75 @@ const MOST: usize = 8;
 /// Number of pixels from which these are chosen, because some may be forbidden or marked.
 const CANDIDATES: usize = 32;
 
-/// Integrates some pixels of a picture of `size` pixels directly, if it is deep. If one of them
-/// contradicts the start maps, `engine` marks every pixel as uncertain from then on. Returns `None`
-/// for a picture that is not deep, or once `go_on` returns false.
+/// Integrates some pixels of a picture of `size` pixels directly, if start maps or first moments tell
+/// any of them. If one contradicts its answer, `engine` marks every pixel as uncertain from then on.
+/// Returns `None` for other pictures, or once `go_on` returns false.
 pub fn opinion(
     scene: &Scene,
     size: [u32; 2],
-    config: IntegratorConfig,
+    (config, cells): (IntegratorConfig, Cells),
     engine: &mut TrustEngine<'_>,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Opinion>, EngineError> {
+    engine.distrust(false);
     let grid = Grid::new(scene, size);
-    let open =
-        OpenTile::of_pixels(&grid, config, Cells::Auto, &random_pixels(scene, size), |_| None);
-    let opinion = match open.starts {
-        Starts::Deep(deep) if !deep.leaves.is_empty() => {
-            Opinion::on(engine, (Question::from(scene), config), &deep, MOST, go_on)?
-        }
-        _ => None,
+    let Some(check) = DirectCheck::new(scene, &grid) else { return Ok(None) };
+    let pixels = random_pixels(scene, size);
+    let open = OpenTile::of_pixels(&grid, config, cells, &pixels, |_| None);
+    let is_deep = matches!(open.starts, Starts::Deep(_));
+    let is_told = |place: &usize| {
+        let [column, row] = pixels[*place];
+        is_deep || grid.is_beside_top(column, row)
     };
+    let told: Vec<usize> = (0..pixels.len()).filter(is_told).collect();
+    if told.is_empty() {
+        return Ok(None);
+    }
+    let phase = |place: usize| grid.phase_at_first_pass(pixels[place][0], pixels[place][1]);
+    let Some(samples) = answers(scene, open, config, engine, &phase, go_on)? else {
+        return Ok(None);
+    };
+    // In the pixels' order, which is random: leaves are not.
+    let is_sure = |place: &usize| {
+        samples.trust(*place) != Trust::Uncertain
+            && samples.get(*place).status != Status::Forbidden
+    };
+    let answered = |place: usize| Answered {
+        pixel: pixels[place],
+        status: samples.get(place).status,
+        values: samples.values(place).to_vec(),
+    };
+    let asked: Vec<_> = told.into_iter().filter(is_sure).take(MOST).map(answered).collect();
+    let opinion = check.opinion(&asked, go_on);
     engine.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
     Ok(opinion)
+}
+
+/// The samples of an open tile, computed as those of a picture are; `None` once `go_on` returns false.
+fn answers(
+    scene: &Scene,
+    open: OpenTile,
+    config: IntegratorConfig,
+    engine: &mut dyn Engine,
+    phase: &dyn Fn(usize) -> Option<crate::physics::phase::Phase<f64>>,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Samples>, EngineError> {
+    let question = Question::from(scene);
+    let reader = Reader::new(scene.question.ask, &question);
+    let OpenTile { samples, places, starts } = open;
+    let mut samples = reader.complete(samples, phase);
+    if places.is_empty() {
+        return Ok(Some(samples));
+    }
+    let keep = Keep { ends: reader.ends(), states: false };
+    let Some(result) = run_job(engine, question, config, starts, keep, &|| go_on())? else {
+        return Ok(None);
+    };
+    reader.fill(&result, &places, &mut samples);
+    for (&place, &trust) in places.iter().zip(&result.trusts) {
+        samples.set_trust(place as usize, trust);
+    }
+    Ok(Some(samples))
 }
 
 /// Draws random pixels: always the same ones for a view, and different ones for another view.

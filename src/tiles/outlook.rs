@@ -1,8 +1,11 @@
 //! The accuracy to expect of an unchecked picture, estimated from a sample of its pixels.
 
+use super::direct_check::{Answered, DirectCheck};
 use super::open_tile::OpenTile;
-use crate::engine::trust::Outlook;
+use super::reader::Reader;
+use crate::engine::trust::{Opinion, Outlook};
 use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Question};
+use crate::physics::Status;
 use crate::scene::{Grid, Scene};
 
 /// Number of pixels in the sample.
@@ -11,22 +14,48 @@ const SAMPLE: u32 = 256;
 /// leaves that have to be followed.
 const TOGETHER: u32 = 16;
 
+/// Number of pixels that are integrated directly, where start maps or first moments tell answers.
+const MOST_DIRECTLY: usize = 2;
+
 /// Returns the outlook of a picture of `size` pixels, or `None` once `go_on` returns false.
 pub fn outlook(
     scene: &Scene,
     size: [u32; 2],
-    config: IntegratorConfig,
+    (config, cells): (IntegratorConfig, Cells),
     engine: &mut dyn Engine,
-    go_on: &dyn Fn() -> bool,
+    go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Outlook>, EngineError> {
     let grid = Grid::new(scene, size);
-    let together = if config.is_deep(grid.pixel_rad()) { TOGETHER } else { 1 };
+    let is_deep = grid.cell_plane().is_some() && cells.are_followed(&config, grid.pixel_rad());
+    let together = if is_deep { TOGETHER } else { 1 };
     let pixels: Vec<[u32; 2]> = (0..SAMPLE).map(|place| pixel(size, place, together)).collect();
-    let open = OpenTile::of_pixels(&grid, config, Cells::Auto, &pixels, |_| None);
+    let open = OpenTile::of_pixels(&grid, config, cells, &pixels, |_| None);
     if open.is_settled() {
         return Ok(Some(Outlook::default()));
     }
-    Outlook::of(engine, Question::from(scene), config, &open.starts, go_on)
+    let question = Question::from(scene);
+    let reader = Reader::new(scene.question.ask, &question);
+    let how = (config, reader.ends());
+    let Some(sample) = Outlook::sample(engine, question, how, &open.starts, &|| go_on())? else {
+        return Ok(None);
+    };
+    let beyond = sample.beyond.iter().filter(|beyond| **beyond).count();
+    let outlook = Outlook { sampled: sample.beyond.len(), beyond, opinion: Opinion::default() };
+    let Some(check) = DirectCheck::new(scene, &grid) else { return Ok(Some(outlook)) };
+    let asked = (0..open.places.len()).filter_map(|k| {
+        let [column, row] = pixels[open.places[k] as usize];
+        let is_told = is_deep || grid.is_beside_top(column, row);
+        let (outcome, end) = (sample.result.outcomes[k], &sample.result.ends[k]);
+        let is_asked = is_told && !sample.beyond[k] && outcome.status != Status::Forbidden;
+        let (status, values) = reader.read(&outcome, end);
+        let values = values[..scene.question.ask.kind().channels.len()].to_vec();
+        is_asked.then_some(Answered { pixel: [column, row], status, values })
+    });
+    // Far apart in the sample, so that not all are of one leaf.
+    let asked: Vec<_> = asked.collect();
+    let apart = asked.len().div_ceil(MOST_DIRECTLY).max(1);
+    let asked: Vec<_> = asked.into_iter().step_by(apart).collect();
+    Ok(check.opinion(&asked, go_on).map(|opinion| Outlook { opinion, ..outlook }))
 }
 
 /// Returns pixel `place` of a sequence whose groups of `together` neighbours fill a picture evenly,

@@ -132,7 +132,7 @@ mod tests {
                         let expected = match grid.fate(place % PATCH_SIDE, place / PATCH_SIDE) {
                             Fate::Open(angle) => MockEngine::answer(&Question::from(&scene), angle),
                             Fate::Known(outcome) => outcome,
-                            Fate::Thrown(_) => unreachable!("starts at rest"),
+                            Fate::Thrown(_) | Fate::BesideTop(_) => unreachable!("at rest"),
                         };
                         assert_eq!(samples.get(place as usize), expected);
                     }

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use super::Samples;
 use crate::engine::{End, Ends, JobResult, Question};
 use crate::physics::transport::{transported, turns_between};
-use crate::physics::{Dd, Outcome, Pendulum, State, Status};
+use crate::physics::phase::Phase;
+use crate::physics::{Outcome, Pendulum, Status};
 use crate::question::{Ask, Ending, MOST_CHANNELS, Needs};
 
 /// A reader of the answers to one question about one pendulum.
@@ -50,7 +51,7 @@ impl Reader {
     }
 
     /// The status of an answer and its channels.
-    fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MOST_CHANNELS]) {
+    pub(super) fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MOST_CHANNELS]) {
         let ends_at_a_time = self.ask.kind().at_a_time && outcome.status == Status::Unflipped;
         let (mut phase, mut gathered) = (end.phase, end.gathered);
         if ends_at_a_time {
@@ -67,10 +68,13 @@ impl Reader {
         (status, (self.ask.kind().read)(&ending))
     }
 
-    /// Gives samples that were known beforehand all channels of the question; `start` returns the
-    /// angles of a sample's start in rad. A bob that passes the top in its first moments begins
-    /// there.
-    pub(super) fn complete(&self, samples: Samples, start: impl Fn(usize) -> [Dd; 2]) -> Samples {
+    /// Gives samples that were known beforehand all channels of the question; `phase` returns the unit
+    /// vectors and momenta of a sample that passes the top in its first moments, as it does.
+    pub(super) fn complete(
+        &self,
+        samples: Samples,
+        phase: impl Fn(usize) -> Option<Phase<f64>>,
+    ) -> Samples {
         if self.ask.is_time() {
             return samples;
         }
@@ -82,7 +86,7 @@ impl Reader {
                 all.set_values(index, outcome.status, &[]);
                 continue;
             }
-            let phase = self.pendulum.phase(&State::rest(start(index).map(|angle| angle.hi)));
+            let phase = phase(index).unwrap_or(End::NOWHERE.phase);
             let end = End { phase, ..End::NOWHERE };
             let (status, values) = self.read(&outcome, &end);
             all.set_values(index, status, &values[..channels]);

@@ -88,11 +88,12 @@ impl Renderer {
         &mut self,
         scene: &Scene,
         size: [u32; 2],
+        cells: Cells,
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Opinion>, EngineError> {
         match &mut self.engine {
             Maker::Unchecked(_) => Ok(None),
-            Maker::Checked(engine) => opinion(scene, size, self.config, engine, go_on),
+            Maker::Checked(engine) => opinion(scene, size, (self.config, cells), engine, go_on),
         }
     }
 
@@ -124,7 +125,7 @@ impl Renderer {
     ) -> Result<Option<Samples>, EngineError> {
         let scene = &scene.clone().settled();
         check_feasible(scene, size, &self.config, Cells::Auto)?;
-        self.second_opinion(scene, size, &|| go_on(&Counts::default()))?;
+        self.second_opinion(scene, size, Cells::Auto, &|| go_on(&Counts::default()))?;
         let mut work = self.work(scene, size);
         let samples = preview(&mut work, size, self.engine(), go_on)?;
         self.counts = work.counts();

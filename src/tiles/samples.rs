@@ -120,6 +120,15 @@ impl Samples {
         self.trusts[index] = trust;
     }
 
+    /// Marks every sample that was sure.
+    pub fn distrust(&mut self) {
+        for trust in &mut self.trusts {
+            if *trust != Trust::Unchecked {
+                *trust = Trust::Uncertain;
+            }
+        }
+    }
+
     /// Returns a copy of the samples at `places`.
     pub fn part(&self, places: Range<usize>) -> Self {
         let channels = self.channels();

@@ -279,11 +279,11 @@ impl TileSource for Work {
         let mut open = self.open(&tile);
         let keeps_states = self.kept.is_some();
         let (ask, question, config) = (self.ask, self.question, self.config);
-        let start = |place: usize| {
+        let phase = |place: usize| {
             let [x, y] = tile.pixel(place as u32);
-            self.grid.angle_from_pixel(x, y)
+            self.grid.phase_at_first_pass(x, y)
         };
-        open.samples = Reader::new(ask, &question).complete(open.samples, start);
+        open.samples = Reader::new(ask, &question).complete(open.samples, phase);
         if let Some(kept) = self.saved() {
             for (place, pixel) in tile.pixels().enumerate() {
                 if let Some(values) = kept.values(self.index(pixel)) {
@@ -346,6 +346,9 @@ mod tests {
                 let outcome = match grid.fate(x, y) {
                     Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
                     Fate::Known(outcome) => outcome,
+                    Fate::BesideTop(moments) => {
+                        MockEngine::answer(&Question::from(scene), moments.angle)
+                    }
                     Fate::Thrown(_) => unreachable!("starts at rest"),
                 };
                 samples.set((y * size[0] + x) as usize, outcome);

@@ -108,7 +108,7 @@ fn grid(screen: &Screen, scene: &Scene) -> Grid {
 fn outcome(fate: Fate, scene: &Scene) -> Outcome {
     match fate {
         Fate::Known(outcome) => outcome,
-        Fate::Thrown(_) => unreachable!("starts at rest"),
+        Fate::Thrown(_) | Fate::BesideTop(_) => unreachable!("at rest, far from the top"),
         Fate::Open(angle) if fails(angle) => Outcome::without_time(Status::Failed),
         Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
     }

@@ -128,7 +128,7 @@ pub(crate) fn truth(target: &ViewTarget, cell: Cell) -> Vec<Outcome> {
     let grid = cell.grid(&scene, SIDE);
     let outcome = |place: u32| match grid.fate(place % SIDE, place / SIDE) {
         Fate::Known(outcome) => outcome,
-        Fate::Thrown(_) => unreachable!("starts at rest"),
+        Fate::Thrown(_) | Fate::BesideTop(_) => unreachable!("at rest, far from the top"),
         Fate::Open(angle) => MockEngine::answer(&question, angle),
     };
     (0..SIDE * SIDE).map(outcome).collect()

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use super::record::{FlightEnding, Flip, Record, Track};
 use crate::engine::Question;
-use crate::physics::opening::settled;
 use crate::physics::separation::{Reading, Ruler};
 use crate::physics::taylor::{Orbit, TaylorStep};
 use crate::physics::{Dd, Launch, Pendulum, Rule, Scalar, State, oracle};
@@ -51,11 +50,7 @@ impl Flyer {
     fn new(pendulum: Pendulum<Dd>, start: Launch, rule: Rule) -> Self {
         let rule = (!is_forbidden(&pendulum, start, rule)).then_some(rule);
         let Launch { angle, speed } = start;
-        let state = if start.is_at_rest() {
-            State::rest(settled(&pendulum, angle))
-        } else {
-            State { angle, speed }
-        };
+        let state = oracle::settled(&pendulum, &State { angle, speed });
         Flyer { orbit: Orbit::new(pendulum, state), rule, steps: 0 }
     }
 

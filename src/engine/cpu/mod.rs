@@ -335,6 +335,9 @@ impl ChunkInFlight<'_> {
                 tangents::run::<F32Lanes<S>, Dopri5>(set, self.chunk)
             }
             (Method::Dopri5 { .. }, _) => tangents::run::<F64Lanes<S>, Dopri5>(set, self.chunk),
+            (Method::Extrapolation { .. }, _) => {
+                tangents::run::<Two<F64Lanes<S>>, Midpoints>(set, self.chunk)
+            }
             (_, Precision::F32) => tangents::run::<F32Lanes<S>, Dop853>(set, self.chunk),
             _ => tangents::run::<F64Lanes<S>, Dop853>(set, self.chunk),
         }

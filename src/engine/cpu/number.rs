@@ -6,6 +6,7 @@ use pulp::Simd;
 
 use super::lanes::{F32Lanes, F64Lanes, Lanes, MOST_LANES};
 use crate::physics::Real;
+use crate::physics::dual::Narrow;
 use crate::physics::phase::Phase;
 
 /// A number type of the adaptive methods, one pendulum in each lane.
@@ -54,6 +55,35 @@ pub(super) fn store_phase<N: Number>(phase: &Phase<N>, rows: &mut [[f64; MOST_LA
 }
 
 impl<S: Simd> Number for F64Lanes<S> {
+    type Leading = Self;
+
+    #[inline(always)]
+    fn load(set: S, high: &[f64], _: &[f64]) -> Self {
+        <Self as Lanes>::load(set, high)
+    }
+    #[inline(always)]
+    fn store(self, high: &mut [f64], _: &mut [f64]) {
+        Lanes::store(self, high);
+    }
+    #[inline(always)]
+    fn exactly(leading: Self) -> Self {
+        leading
+    }
+    #[inline(always)]
+    fn leading(self) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn select(self, test: Self, other: Self) -> Self {
+        Lanes::select(self, test, other)
+    }
+    #[inline(always)]
+    fn changed(phase: &Phase<Self>, change: &Phase<Self>) -> Phase<Self> {
+        crate::physics::embedded::plus(phase, change)
+    }
+}
+
+impl<S: Simd> Number for F32Lanes<S> {
     type Leading = Self;
 
     #[inline(always)]
@@ -155,8 +185,8 @@ impl<S: Simd> Number for Compensated<F32Lanes<S>> {
     }
     #[inline(always)]
     fn store(self, high: &mut [f64], low: &mut [f64]) {
-        self.value.store(high);
-        self.rest.store(low);
+        Lanes::store(self.value, high);
+        Lanes::store(self.rest, low);
     }
     #[inline(always)]
     fn exactly(leading: Self::Leading) -> Self {
@@ -253,6 +283,13 @@ impl<L: Lanes> Real for Two<L> {
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         self.mul(factor).add(term)
+    }
+}
+
+impl<L: Lanes> Narrow<L> for Two<L> {
+    #[inline(always)]
+    fn narrow(self) -> L {
+        self.high
     }
 }
 

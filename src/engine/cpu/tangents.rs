@@ -3,41 +3,47 @@
 
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::lanes::{Lanes, MOST_LANES};
+use super::number::Number;
 use super::pair::EmbeddedPair;
 use super::step_control;
 use crate::engine::pace::{Adaptive, Pace};
 use crate::engine::start::{STEP, TIME, TIME_LOW, end_with_growth};
 use crate::engine::{Carried, IntegratorState, NUMBERS};
 use crate::physics::control::LONGEST;
-use crate::physics::dual::Dual;
+use crate::physics::dual::{Dual, Narrow};
 use crate::physics::embedded::plus;
 use crate::physics::phase::rk4;
 use crate::physics::tangents::{LARGE, Tangents};
-use crate::physics::{Outcome, Pendulum, Status};
+use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
 
 /// Pendulums in the lanes of a register with their tangents.
-struct TangentLanes<L> {
-    pendulum: Pendulum<Dual<4, L>>,
-    inverse_scale: [Dual<4, L>; 2],
-    state: Tangents<L>,
-    time: L,
-    time_low: L,
-    step: L,
+struct TangentLanes<N: Number> {
+    pendulum: Pendulum<Dual<4, N, N::Leading>>,
+    inverse_scale: [Dual<4, N, N::Leading>; 2],
+    state: Tangents<N, N::Leading>,
+    time: N::Leading,
+    time_low: N::Leading,
+    step: N::Leading,
     /// Reduced time at which they end.
-    end: L,
+    end: N::Leading,
     /// False while only whole steps within the budget are taken, from whose end a job with a larger
     /// budget continues; true once steps are cut to the end of the budget.
     cuts: bool,
 }
 
-/// Runs a chunk in lanes of `L`, with adaptive steps of `P`.
+/// Runs a chunk in lanes of `N`, with adaptive steps of `P`. Slopes have the digits of the leading part.
 #[inline(always)]
-pub(super) fn run<L: Lanes, P: EmbeddedPair>(set: L::Set, chunk: &Chunk) -> Option<ChunkResult> {
+pub(super) fn run<N: Number + Narrow<N::Leading>, P: EmbeddedPair>(
+    set: <N::Leading as Lanes>::Set,
+    chunk: &Chunk,
+) -> Option<ChunkResult> {
+    let count = <N::Leading as Lanes>::COUNT;
     let (reduced, unit_secs) = chunk.question.reduced();
+    let exact = chunk.question.reduced_in::<Dd>().0;
     let end = chunk.question.budget_secs / unit_secs;
     let mut result = ChunkResult::default();
-    for starts in chunk.starts.chunks(L::COUNT) {
-        let mut lanes = TangentLanes::<L>::of(set, &reduced, starts, end);
+    for starts in chunk.starts.chunks(count) {
+        let mut lanes = TangentLanes::<N>::of(set, &exact, starts, end);
         let mut logs = [0.0; MOST_LANES];
         for (log, start) in logs.iter_mut().zip(starts) {
             *log = start.log_scale();
@@ -64,7 +70,7 @@ pub(super) fn run<L: Lanes, P: EmbeddedPair>(set: L::Set, chunk: &Chunk) -> Opti
         }
         let rhs = chunk.config.method.rhs_per_step(chunk.config.precision);
         result.effort.steps += u64::from(steps) * starts.len() as u64;
-        result.effort.lane_steps += u64::from(steps) * L::COUNT as u64;
+        result.effort.lane_steps += u64::from(steps) * count as u64;
         result.effort.rhs_evaluations += rhs * u64::from(steps) * starts.len() as u64;
         lanes.finish(&reduced, &lanes.states(&logs, steps, starts), &mut result);
     }
@@ -74,30 +80,40 @@ pub(super) fn run<L: Lanes, P: EmbeddedPair>(set: L::Set, chunk: &Chunk) -> Opti
 /// Number of steps after which the size of the slopes is checked.
 const STRETCH: u32 = 32;
 
-impl<L: Lanes> TangentLanes<L> {
+impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
     #[inline(always)]
-    fn of(set: L::Set, reduced: &Pendulum<f64>, starts: &[IntegratorState], end: f64) -> Self {
+    fn of(
+        set: <N::Leading as Lanes>::Set,
+        exact: &Pendulum<Dd>,
+        starts: &[IntegratorState],
+        end: f64,
+    ) -> Self {
         // Lanes without a start repeat the last one.
         let start = |lane: usize| &starts[lane.min(starts.len() - 1)];
+        let row = |value: &dyn Fn(&IntegratorState) -> f64| -> [f64; MOST_LANES] {
+            std::array::from_fn(|lane| value(start(lane)))
+        };
         let load = |value: &dyn Fn(&IntegratorState) -> f64| {
-            let values: [f64; MOST_LANES] = std::array::from_fn(|lane| value(start(lane)));
-            <L as Lanes>::load(set, &values)
+            <N::Leading as Lanes>::load(set, &row(value))
         };
         let number = |place: usize| load(&|start| start.numbers[place]);
-        let state: Tangents<L> = std::array::from_fn(|i| Dual {
-            value: number(i),
-            slope: std::array::from_fn(|k| load(&|start| start.slopes()[i][k])),
+        let state: Tangents<N, N::Leading> = std::array::from_fn(|i| {
+            let [high, low] = [i, 6 + i].map(|place| row(&|start| start.numbers[place]));
+            let slope = std::array::from_fn(|k| load(&|start| start.slopes()[i][k]));
+            Dual { value: N::load(set, &high, &low), slope }
         });
-        let pendulum = reduced.map(|number| L::splat(set, number));
-        let scale = reduced.momentum_scale().map(|scale| Dual::new(L::splat(set, 1.0 / scale)));
+        let same = |value: f64| [value; MOST_LANES];
+        let pendulum = exact.map(|Dd { hi, lo }| N::load(set, &same(hi), &same(lo)));
+        let scale = exact.to_f64().momentum_scale();
+        let scale = scale.map(|scale| N::exactly(<N::Leading as Lanes>::splat(set, 1.0 / scale)));
         TangentLanes {
             state,
             pendulum: pendulum.map(Dual::new),
-            inverse_scale: scale,
+            inverse_scale: scale.map(Dual::new),
             time: number(TIME),
             time_low: number(TIME_LOW),
             step: number(STEP),
-            end: L::splat(set, end),
+            end: <N::Leading as Lanes>::splat(set, end),
             cuts: false,
         }
     }
@@ -109,13 +125,13 @@ impl<L: Lanes> TangentLanes<L> {
 
     /// Time that is left, not positive where a pendulum is done.
     #[inline(always)]
-    fn left(&self) -> L {
+    fn left(&self) -> N::Leading {
         (self.end - self.time) - self.time_low
     }
 
     /// Length of the next step, 0 in lanes that wait or are done.
     #[inline(always)]
-    fn length(&self) -> L {
+    fn length(&self) -> N::Leading {
         let (left, zero) = (self.left(), self.step.lit(0.0));
         if self.cuts {
             self.step.min(left).max(zero)
@@ -129,8 +145,10 @@ impl<L: Lanes> TangentLanes<L> {
     fn step_adaptively<P: EmbeddedPair>(&mut self, adaptive: &Adaptive) {
         let control = &adaptive.control;
         let length = self.length();
-        let trial = P::trial(&self.pendulum, self.inverse_scale, &self.state, Dual::new(length));
-        let excess = step_control::excess(control, self.time, trial.error_squared.value);
+        let step = Dual::new(N::exactly(length));
+        let trial = P::trial(&self.pendulum, self.inverse_scale, &self.state, step);
+        let error_squared = trial.error_squared.value.leading();
+        let excess = step_control::excess(control, self.time, error_squared);
         let factor = step_control::factor(control, excess);
         self.take(&plus(&self.state, &trial.change), length, excess);
         let next = (self.step * factor).min(length.lit(LONGEST));
@@ -141,15 +159,20 @@ impl<L: Lanes> TangentLanes<L> {
     #[inline(always)]
     fn step_fixed(&mut self) {
         let length = self.length();
-        let next = rk4(&self.pendulum, &self.state, Dual::new(length));
+        let next = rk4(&self.pendulum, &self.state, Dual::new(N::exactly(length)));
         self.take(&next, length, length.lit(-1.0));
     }
 
     /// Moves to the next state in lanes where `test` is negative.
     #[inline(always)]
-    fn take(&mut self, next: &Tangents<L>, length: L, test: L) {
+    fn take(
+        &mut self,
+        next: &Tangents<N, N::Leading>,
+        length: N::Leading,
+        test: N::Leading,
+    ) {
         for (number, next) in self.state.iter_mut().zip(next) {
-            number.value = Lanes::select(next.value, test, number.value);
+            number.value = next.value.select(test, number.value);
             for (slope, next) in number.slope.iter_mut().zip(next.slope) {
                 *slope = Lanes::select(next, test, *slope);
             }
@@ -162,7 +185,7 @@ impl<L: Lanes> TangentLanes<L> {
     /// Scales down the slopes of a lane where they have grown large, and adds the logarithm of the
     /// factor to `logs`.
     #[inline(always)]
-    fn keep_small(&mut self, set: L::Set, logs: &mut [f64; MOST_LANES]) {
+    fn keep_small(&mut self, set: <N::Leading as Lanes>::Set, logs: &mut [f64; MOST_LANES]) {
         let mut most = self.time.lit(0.0);
         for slope in self.state.iter().flat_map(|number| number.slope) {
             most = most.max(slope.abs());
@@ -173,7 +196,7 @@ impl<L: Lanes> TangentLanes<L> {
         for (log, factor) in logs.iter_mut().zip(factor) {
             *log -= factor.ln();
         }
-        let factor = <L as Lanes>::load(set, &factor);
+        let factor = <N::Leading as Lanes>::load(set, &factor);
         for number in &mut self.state {
             number.slope = number.slope.map(|slope| slope * factor);
         }
@@ -187,13 +210,17 @@ impl<L: Lanes> TangentLanes<L> {
         steps: u32,
         starts: &[IntegratorState],
     ) -> Vec<IntegratorState> {
-        let rows = self.state.map(|number| (row(number.value), number.slope.map(row)));
+        let rows = self.state.map(|number| {
+            let [mut high, mut low] = [[0.0; MOST_LANES]; 2];
+            number.value.store(&mut high, &mut low);
+            ([high, low], number.slope.map(row))
+        });
         let moments =
             [(TIME, row(self.time)), (TIME_LOW, row(self.time_low)), (STEP, row(self.step))];
         let state = |(lane, start): (usize, &IntegratorState)| {
             let mut numbers = [0.0; NUMBERS];
-            for (number, (value, _)) in numbers.iter_mut().zip(&rows) {
-                *number = value[lane];
+            for (i, ([high, low], _)) in rows.iter().enumerate() {
+                (numbers[i], numbers[6 + i]) = (high[lane], low[lane]);
             }
             for (place, row) in &moments {
                 numbers[*place] = row[lane];

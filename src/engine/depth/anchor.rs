@@ -103,12 +103,12 @@ impl DomainSplitting {
         let (Some((exact, start)), Some(by)) =
             (self.reduced(cell, [0.0; 2]), self.plane.differences(&cell))
         else {
-            return SplitNode { patch: FlowPatch::undescribed(), edge: None };
+            return SplitNode { patch: FlowPatch::undescribed(&self.dynamics), edge: None };
         };
         let phase = exact.phase(&start);
         let [x1, y1, x2, y2, p1, p2] = phase.map(Theta::to_f64);
         let patch = if self.plane.is_at_rest() {
-            FlowPatch::release([(y1, x1), (y2, x2)], side_rad(cell.level + 1))
+            FlowPatch::release(&self.dynamics, [(y1, x1), (y2, x2)], side_rad(cell.level + 1))
         } else {
             let unit_secs = Jet::constant(self.build.unit_secs());
             let [by1, by2, faster1, faster2] = by;

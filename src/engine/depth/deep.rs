@@ -1,7 +1,8 @@
 //! Selections of deep starts, and their exact states.
 
-use crate::engine::{Deep, Leaf, Starts};
-use crate::physics::{Dd, Launch, State, Theta};
+use crate::engine::{Deep, Ends, Leaf, Question, StartList, Starts};
+use crate::physics::opening::from_top;
+use crate::physics::{Dd, Launch, Scalar, State, Theta};
 use crate::scene::lattice::Cell;
 
 impl Deep {
@@ -41,19 +42,33 @@ impl Deep {
         self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| (leaf.cell, *at)))
     }
 
-    /// The starts to the precision of double-double.
-    pub fn rounded(&self) -> Starts {
-        // A start that does not exist is forbidden on every start map, so none gets here.
-        let nowhere = Launch { angle: [Dd::new(f64::NAN); 2], speed: [Dd::new(f64::NAN); 2] };
-        let rounded = |state: Option<State<Theta>>| {
-            state.map_or(nowhere, |state| Launch {
-                angle: state.angle.map(Theta::to_dd),
-                speed: state.speed.map(Theta::to_dd),
-            })
-        };
-        if self.plane.is_at_rest() {
-            return Starts::Rest(self.exact().map(|state| rounded(state).angle).collect());
+    /// The starts for an integration from their release, to the precision of double-double, or of more
+    /// beside the top.
+    pub fn rounded(&self, question: &Question, ends: Ends) -> Starts {
+        let opening = question.opening(ends);
+        let unit_secs = question.reduced_in::<Theta>().1;
+        let mut starts = StartList::default();
+        for start in self.exact() {
+            // A start that does not exist is forbidden on every start map, so none gets here.
+            let Some(start) = start else {
+                starts.push_thrown(NOWHERE);
+                continue;
+            };
+            let reduced = State { speed: start.speed.map(|speed| speed * unit_secs), ..start };
+            let from_top = start.angle.map(|angle| from_top(angle).to_f64());
+            if opening.concerns(from_top, reduced.speed.map(Theta::to_f64)) {
+                starts.push_beside_top(Box::new(opening.first_moments(&reduced)));
+            } else if self.plane.is_at_rest() {
+                starts.push_at_rest(start.angle.map(Theta::to_dd));
+            } else {
+                let [angle, speed] = [start.angle, start.speed].map(|pair| pair.map(Theta::to_dd));
+                starts.push_thrown(Launch { angle, speed });
+            }
         }
-        Starts::Thrown(self.exact().map(rounded).collect())
+        starts.into_starts()
     }
 }
+
+/// A start that does not exist.
+const NOWHERE: Launch =
+    Launch { angle: [Dd { hi: f64::NAN, lo: 0.0 }; 2], speed: [Dd { hi: f64::NAN, lo: 0.0 }; 2] };

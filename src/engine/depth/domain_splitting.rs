@@ -31,10 +31,11 @@ use super::anchor::{Anchor, anchor_level};
 use super::finished_patch::{FinishedPatch, PartKey};
 use super::following::Following;
 use super::part::{Branch, BranchState, Cut, PlacedStart, SplitNode, SplitPart};
-use crate::engine::{Deep, Leaf, Moving, Question};
+use crate::engine::{Deep, Ends, Leaf, Moving, Question};
 use crate::physics::crossing::FAR;
 use crate::physics::flow_patch::{Dynamics, FlowPatch, PatchEnd};
 use crate::physics::frame::Frame;
+use crate::physics::opening::{Opening, from_top};
 use crate::physics::tangents::TangentMap;
 use crate::physics::{Rule, Scalar, Theta, control};
 use crate::scene::lattice::Cell;
@@ -68,6 +69,8 @@ pub(super) struct DomainSplitting {
     pub rule: Rule,
     pub plane: ExactPlane,
     pub strict: bool,
+    /// The first moments of starts that are followed alone.
+    opening: Opening,
     /// True if the growth of nudges is followed.
     pub nudges: bool,
     pub anchors: Mutex<HashMap<Cell, Arc<Mutex<Anchor>>>>,
@@ -96,17 +99,14 @@ pub(super) struct Distribution {
 
 impl DomainSplitting {
     pub(super) fn new(question: &Question, deep: &Deep, nudges: bool) -> Self {
-        let mut dynamics = Dynamics::new(question.reduced().0, question.rule);
-        if !deep.plane.is_at_rest() {
-            // A thrown pendulum can pass the top at once.
-            dynamics.opening = 0.0;
-        }
         DomainSplitting {
-            dynamics,
+            dynamics: Dynamics::new(question.reduced().0, question.rule),
             build: question.build,
             rule: question.rule,
             plane: *deep.plane,
             strict: deep.strict,
+            opening: Question { budget_secs: f64::INFINITY, ..*question }
+                .opening(if nudges { Ends::Growth } else { Ends::Plain }),
             nudges,
             anchors: Mutex::default(),
             finished: Mutex::default(),
@@ -261,13 +261,13 @@ impl DomainSplitting {
         SplitNode { patch, ..node }
     }
 
-    /// Returns true if the starts of a patch are better followed from their release. This is so near
-    /// the end of a section, where no polynomials describe the patch, and where nudges have grown so
-    /// little that those of the middle do not stand for all, and that the digits of any number type
-    /// are enough.
+    /// Returns true if the starts of a patch are better followed from their release. This is so where the
+    /// patch ends there: it is too large for its polynomials, or undescribed, or beside the top. It is
+    /// also so where nudges have grown so little that those of the middle do not stand for all, and
+    /// that the digits of any number type are enough.
     pub(super) fn tells_nothing(&self, patch: &FinishedPatch) -> bool {
-        let is_undescribed = patch.patch.time.0 == 0.0 && !self.plane.is_flat();
-        is_undescribed || patch.patch.has_grown_less_than(ALIGNED)
+        let ends_at_release = patch.is_open() && patch.patch.time.0 == 0.0;
+        ends_at_release || patch.patch.has_grown_less_than(ALIGNED)
     }
 
     /// A start that is followed alone from its release; none if it is forbidden.
@@ -277,14 +277,26 @@ impl DomainSplitting {
         if pendulum.forbids_depth(self.rule, -pendulum.energy_of(&phase)) {
             return None;
         }
-        Some(Moving {
+        let at_release = Moving {
             time: [0.0; 2],
             phase: phase.map(Theta::to_f64),
             step: control::FIRST,
             clearance: FAR,
             grown: 1.0,
+            map_error: 0.0,
             turns: [0; 2],
             nudges: self.nudges.then(|| Box::new(TangentMap::identity())),
+        };
+        let from_top = start.angle.map(|angle| from_top(angle).to_f64());
+        if !self.opening.concerns(from_top, start.speed.map(Theta::to_f64)) {
+            return Some(at_release);
+        }
+        let moments = self.opening.first_moments(&start);
+        Some(Moving {
+            time: [moments.length, 0.0],
+            phase: moments.end(&self.dynamics.pendulum),
+            turns: moments.gathered().turns,
+            ..at_release
         })
     }
 

@@ -90,7 +90,7 @@ impl FinishedPatch {
     fn decades_a_second(&self, dynamics: &Dynamics, secs: f64) -> f64 {
         let decades = (self.patch.spread(dynamics) / self.half_side).log10();
         // A path not much longer than the opening gives no reliable rate.
-        if self.patch.time.0 > 10.0 * dynamics.opening { decades.max(0.0) / secs } else { 0.0 }
+        if self.patch.is_well_under_way() { decades.max(0.0) / secs } else { 0.0 }
     }
 
     /// Statistics of its starts, of which `open` are not known.
@@ -107,10 +107,18 @@ impl FinishedPatch {
     /// The pendulum that is in a state when the patch ends.
     pub(super) fn moving(&self, dynamics: &Dynamics, phase: Phase<f64>, clearance: f64) -> Moving {
         let (high, low) = self.patch.time;
-        let grown = self.patch.spread(dynamics) / self.half_side;
+        let (spread, tail) = (self.patch.spread(dynamics), self.patch.tail(dynamics));
+        let grown = spread / self.half_side;
+        let map_error = self.at_release([tail, spread]);
         let turns = self.patch.turns_at(&phase);
         let (time, step) = ([high, low], self.patch.step);
-        Moving { time, phase, step, clearance, grown, turns, nudges: None }
+        Moving { time, phase, step, clearance, grown, map_error, turns, nudges: None }
+    }
+
+    /// What polynomials leave out where neighbours lie `spread` apart, taken back to the release, in
+    /// rad.
+    fn at_release(&self, [tail, spread]: [f64; 2]) -> f64 {
+        if tail > 0.0 { tail * self.half_side / spread } else { 0.0 }
     }
 
     /// The curve on which the states of all starts lie, if they lie on one. Those of starts that are
@@ -166,10 +174,21 @@ impl FinishedPatch {
         match grazed.chain(passed).reduce(first) {
             Some((time, phase)) => {
                 let (clearance, grown) = (self.patch.clearance(at), f64::INFINITY);
-                let end = End { time, phase, clearance, grown, ..End::NOWHERE };
+                let map_error = self.map_error(dynamics);
+                let end = End { time, phase, clearance, grown, map_error, ..End::NOWHERE };
                 Some((question.flipped_at(time * unit_secs), end))
             }
             None => (!self.is_open()).then(|| self.unflipped(dynamics, at)),
+        }
+    }
+
+    /// Error of the answers that the polynomials tell: what they leave out, taken back to the release, in
+    /// rad.
+    fn map_error(&self, dynamics: &Dynamics) -> f64 {
+        let at_end = self.at_release([self.patch.tail(dynamics), self.patch.spread(dynamics)]);
+        match &self.ending {
+            PatchEnd::Passed(pass) => self.at_release(pass.tail_and_spread(dynamics)).max(at_end),
+            _ => at_end,
         }
     }
 
@@ -188,6 +207,7 @@ impl FinishedPatch {
             phase,
             clearance: self.patch.clearance(at),
             grown: f64::INFINITY,
+            map_error: self.map_error(dynamics),
             gathered: Accumulators { turns, log_growth, ..Accumulators::NONE },
         };
         (Outcome::without_time(Status::Unflipped), end)

@@ -134,7 +134,8 @@ impl Awaited {
         }
         for ((place, begun), end) in starts.iter().zip(&finished.ends) {
             let clearance = end.clearance.min(begun.clearance);
-            let mut end = End { clearance, grown: begun.grown, ..*end };
+            let (grown, map_error) = (begun.grown, begun.map_error);
+            let mut end = End { clearance, grown, map_error, ..*end };
             for (turns, before) in end.gathered.turns.iter_mut().zip(begun.turns) {
                 *turns += before;
             }

@@ -174,7 +174,7 @@ mod tests {
     /// at the times (s) that `secs` returns for a round.
     fn verdict(secs: impl Fn(usize) -> [f64; 3]) -> LineVerdict {
         let dynamics = Dynamics::new(Pendulum::points([1.0; 2], [1.0; 2], 9.81), Rule::Second);
-        let mut patch = FlowPatch::release([-1.6601f64, 0.1003].map(f64::sin_cos), 1e-8);
+        let mut patch = FlowPatch::release(&dynamics, [-1.6601f64, 0.1003].map(f64::sin_cos), 1e-8);
         patch.follow(&dynamics, 90.0, 1e-12, None);
         let curve = patch.curve(&dynamics, 1e-4).expect("one direction has grown");
         let check = LineCheck { dynamics: &dynamics, patch: &patch, curve: &curve, unit_secs: 1.0 };

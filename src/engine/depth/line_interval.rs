@@ -89,12 +89,12 @@ impl Interval {
         halves.into_iter().filter(|half| !half.starts.is_empty())
     }
 
-    /// Finds the outcomes of the starts in a smooth interval. Starts whose residual may matter are
-    /// added to `alone`, to be integrated one by one.
+    /// Finds the outcomes of the starts in a smooth interval of a line that begins at `since_secs`. Starts
+    /// whose residual may matter are added to `alone`, to be integrated one by one.
     pub(super) fn settle(
         &self,
         verdict: &IntervalVerdict,
-        unit_secs: f64,
+        [since_secs, unit_secs]: [f64; 2],
         known: &mut Vec<(usize, Outcome)>,
         alone: &mut Vec<usize>,
     ) {
@@ -107,8 +107,10 @@ impl Interval {
             let x = 4.0 * (point.s * 2f64.powi(self.level) - f64::from(self.place)) - 2.0;
             let (time, rate) = quartic(secs, x);
             let per_s = rate * 4.0 * 2f64.powi(self.level);
-            if point.aside * per_s.abs() <= SHARE * right_secs(unit_secs) {
-                known.push((*index, Outcome::flipped(time - point.ahead * unit_secs)));
+            let flips = time - point.ahead * unit_secs;
+            let is_told = point.aside * per_s.abs() <= SHARE * right_secs(unit_secs);
+            if is_told && flips >= since_secs {
+                known.push((*index, Outcome::flipped(flips)));
             } else {
                 alone.push(*index);
             }
@@ -242,7 +244,7 @@ mod tests {
         let interval =
             Interval { level: 0, place: 0, starts: vec![start(0, 1e-6), start(1, 1e-2)] };
         let verdict = IntervalVerdict::Flips([5.0, 5.1, 5.2, 5.3, 5.4]);
-        interval.settle(&verdict, 0.32, &mut known, &mut alone);
+        interval.settle(&verdict, [0.0, 0.32], &mut known, &mut alone);
         assert!(known.len() == 1 && known[0].0 == 0 && alone == [1]);
         assert!((known[0].1.time - (5.1 - 0.16)).abs() < 1e-12);
     }

@@ -270,7 +270,10 @@ impl Line {
                 IntervalVerdict::Rough(_) => {
                     alone.extend(interval.starts.iter().map(|(index, _)| index))
                 }
-                smooth => interval.settle(&smooth, unit_secs, known, alone),
+                smooth => {
+                    let since_secs = self.patch.patch.time.0 * unit_secs;
+                    interval.settle(&smooth, [since_secs, unit_secs], known, alone);
+                }
             }
         }
         missing

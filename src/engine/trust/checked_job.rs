@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::Trust;
 use super::judge::{Judge, RunResult};
-use super::ladder::{Origin, Run, Rung, rungs};
+use super::ladder::{Origin, Run, Rung, ends_of, rungs};
 use crate::engine::{Effort, End, Ends, Job, JobResult, Keep, Starts};
-use crate::physics::{Dd, Outcome, Status};
+use crate::physics::{Accumulators, Dd, Outcome, Status};
 
 /// A job whose starts climb the ladder until they are sure.
 pub(super) struct CheckedJob {
@@ -53,7 +53,7 @@ impl CheckedJob {
             _ => None,
         };
         let case = CheckedJob {
-            rungs: rungs(&job.config, job.keep, leaf_half_rad),
+            rungs: rungs(&job.config, leaf_half_rad),
             leaf_half_rad,
             rung: 0,
             open: (0..count).collect(),
@@ -74,10 +74,7 @@ impl CheckedJob {
             id: self.job.id * RUNS + (before + index) as u64,
             config: run.config,
             starts: self.starts_of(run),
-            keep: match self.job.keep.ends {
-                Ends::None => Keep::ENDS,
-                ends => Keep { ends, states: false },
-            },
+            keep: Keep { ends: ends_of(&run.config, self.job.keep.ends), states: false },
             ..self.job
         };
         self.rungs[self.rung].runs.iter().enumerate().map(one).collect()
@@ -100,10 +97,17 @@ impl CheckedJob {
                 let moved = |&start: &usize| launches[start].moved_by(by);
                 Starts::Thrown(self.open.iter().map(moved).collect())
             }
+            Starts::Mixed { starts, thrown } => {
+                let moved = |&start: &usize| starts[start].moved_by(run.nudge);
+                Starts::Mixed { starts: self.open.iter().map(moved).collect(), thrown: *thrown }
+            }
             Starts::Deep(deep) => {
                 let strict = run.from == Origin::StrictMap;
                 let some = deep.some(&self.open, strict, run.nudge);
-                if run.from == Origin::Rest { some.rounded() } else { Starts::Deep(some) }
+                match run.from {
+                    Origin::Rest => some.rounded(&self.job.question, self.job.keep.ends),
+                    Origin::Map | Origin::StrictMap => Starts::Deep(some),
+                }
             }
             Starts::Upright(_) | Starts::Resumed { .. } | Starts::Moving(_) => {
                 unreachable!("listed or refused when submitted")
@@ -115,10 +119,15 @@ impl CheckedJob {
     /// every start is sure or the ladder ends.
     pub(super) fn take(&mut self, index: u64, finished: JobResult) -> Option<Vec<Job>> {
         self.effort += finished.effort;
-        let answer = |(&outcome, &end)| RunResult { outcome, end };
+        let run = *self.rungs.iter().flat_map(|rung| &rung.runs).nth(index as usize)?;
+        let wanted = self.job.keep.ends;
+        let is_told = !wanted.are_carried() || ends_of(&run.config, wanted) == wanted;
+        let answer = |(&outcome, &end): (&Outcome, &End)| {
+            let gathered = if is_told { end.gathered } else { Accumulators::UNTOLD };
+            RunResult { outcome, end: End { gathered, ..end } }
+        };
         let answers: Vec<RunResult> =
             finished.outcomes.iter().zip(&finished.ends).map(answer).collect();
-        let run = *self.rungs.iter().flat_map(|rung| &rung.runs).nth(index as usize)?;
         self.done.push(Done { index, run, starts: self.open.clone(), answers });
         if self.done.len() < self.runs_up_to(self.rung + 1) {
             return None;
@@ -133,7 +142,8 @@ impl CheckedJob {
     fn decide(&mut self) {
         // Runs finish in any order.
         self.done.sort_by_key(|done| done.index);
-        let judge = Judge::new(&self.job.question, self.leaf_half_rad.unwrap_or(0.0));
+        let leaf_half_rad = self.leaf_half_rad.unwrap_or(0.0);
+        let judge = Judge::new(&self.job.question, self.job.keep.ends, leaf_half_rad);
         let verdicts: Vec<(RunResult, bool)> =
             self.open.par_iter().map(|&start| judge.verdict(&self.answers(start))).collect();
         let trust = self.rungs[self.rung].trust;

@@ -18,7 +18,7 @@
 //! where a run is far off, growth as the others show it must explain that.
 
 use super::ladder::Run;
-use crate::engine::{End, Question};
+use crate::engine::{End, Ends, Question};
 use crate::physics::crossing::{StepState, bob_at_top, height_beyond};
 use crate::physics::flip::right_secs;
 use crate::physics::phase::Phase;
@@ -39,7 +39,8 @@ const SAFETY: f64 = 0.25;
 const OF_CLEARANCE: f64 = 0.1;
 /// Distance between states from which on errors can no longer be taken to grow linearly.
 const LINEAR: f64 = 0.05;
-/// Largest error allowed in the state of an unflipped pendulum.
+/// Largest error allowed in the state of an unflipped pendulum, or of one whose growth or return is the
+/// answer.
 const UNFLIPPED: f64 = 1e-2;
 /// Largest error allowed in the state of a pendulum where that is the answer.
 const STATE: f64 = SAFETY * 1e-3;
@@ -65,13 +66,15 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// Makes a judge; `leaf_half_rad` is half the side of the leaves for deep starts, and unused
-    /// for others.
-    pub(super) fn new(question: &Question, leaf_half_rad: f64) -> Self {
+    /// Makes a judge of answers that need such ends; `leaf_half_rad` is half the side of the leaves for
+    /// deep starts, and unused for others.
+    pub(super) fn new(question: &Question, ends: Ends, leaf_half_rad: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         let tolerance = SAFETY * right_secs(unit_secs) / unit_secs;
-        let unflipped = if question.rule == Rule::Neither { STATE } else { UNFLIPPED };
+        // Where growth or a return is asked for, the state at the end only tells how far errors grew.
+        let is_answer = question.rule == Rule::Neither && !ends.are_carried();
+        let unflipped = if is_answer { STATE } else { UNFLIPPED };
         Judge { pendulum, inverse_scale, tolerance, unflipped, leaf_half_rad }
     }
 
@@ -82,7 +85,22 @@ impl Judge {
         let mut scaled: Vec<_> = answers.iter().map(|answer| (scale(answer), answer)).collect();
         scaled.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (finest, others) = scaled.split_first().expect("the first rung has all starts");
-        (finest.1.1, self.is_sure(finest, others))
+        let told = scaled.iter().find(|(_, (_, answer))| answer.end.gathered.are_told());
+        let (_, (run, answer)) = told.expect("the first run tells what is asked");
+        let is_sure = self.is_sure(finest, others)
+            && self.distance(answer, &finest.1.1) <= self.allowed(&finest.1.1)
+            && Self::is_confirmed(run, answer, &scaled);
+        (*answer, is_sure)
+    }
+
+    /// Returns true if a run of another method gathered the same along the motion, even if it ended
+    /// elsewhere: what was gathered depends little on the last part of the motion.
+    fn is_confirmed(run: &Run, answer: &RunResult, all: &[Scaled]) -> bool {
+        let gathered = &answer.end.gathered;
+        all.iter().any(|(_, (other, theirs))| {
+            let agrees = gathered.agrees_with(&theirs.end.gathered);
+            agrees && other.config.method.name() != run.config.method.name()
+        })
     }
 
     /// Returns true if the `others`, each with its error scale, make `finest` sure.
@@ -108,8 +126,7 @@ impl Judge {
             }
             growth = growth.max(apart / scale);
             chance *= (apart.max(*scale) * finest_scale / (scale * allowed)).min(1.0);
-            let agrees = answer.end.gathered.agrees_with(&theirs.end.gathered);
-            independent |= agrees && other.is_independent_of(run);
+            independent |= other.is_independent_of(run);
         }
         let explained = finest_far.is_infinite() || finest_far * growth * UNLIKELY > LINEAR;
         independent && chance <= MOST_CHANCE && explained

@@ -7,7 +7,7 @@
 
 use super::Trust;
 use crate::engine::level::{BALANCED, FAST, FINEST};
-use crate::engine::{End, Ends, IntegratorConfig, Keep, Method, Precision};
+use crate::engine::{End, Ends, IntegratorConfig, Method, Precision};
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,7 +67,7 @@ impl Run {
             Origin::Rest => error_scale(&self.config).max(nudge),
             Origin::Map | Origin::StrictMap => {
                 let own = error_scale_after_a_map(&self.config) / end.grown;
-                own + leaf_half_rad * nudge.max(OF_MAPS)
+                own + (leaf_half_rad * nudge.max(OF_MAPS)).max(end.map_error)
             }
         }
     }
@@ -107,7 +107,8 @@ fn error_scale_after_a_map(config: &IntegratorConfig) -> f64 {
         }
 }
 
-/// Approximate error of start maps, as a share of half a leaf.
+/// Least error of start maps, as a share of half a leaf, whatever their polynomials leave out (see
+/// [`End::map_error`]): rounding errors, and those of their steps.
 const OF_MAPS: f64 = 5e-11;
 
 /// Largest error scale at which a configuration is far enough below a probe in f32 to need no finer
@@ -133,32 +134,29 @@ const LAST: IntegratorConfig = dd_run(Method::Taylor { tolerance: 1e-28 });
 const CHECK: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-25 });
 
 /// The rungs to climb, one after the other, as long as a start is not sure; `leaf_half_rad` is half
-/// the side of the leaves of deep starts. The first rung begins with its finest run. Runs that
-/// cannot return what is to be kept are left out, and so are runs that were made before: that the
-/// same run ends in the same place confirms nothing.
-pub(super) fn rungs(
-    config: &IntegratorConfig,
-    keep: Keep,
-    leaf_half_rad: Option<f64>,
-) -> Vec<Rung> {
+/// the side of the leaves of deep starts. The first rung begins with its finest run. Runs that were
+/// made before are left out: that the same run ends in the same place confirms nothing.
+pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Vec<Rung> {
     let mut rungs = match leaf_half_rad {
         Some(half) => deep_rungs(half),
         None => rungs_from_rest(config),
     };
     let mut made: Vec<Run> = Vec::new();
     for rung in &mut rungs {
-        rung.runs.retain(|run| can_keep(keep.ends, &run.config) && !made.contains(run));
+        rung.runs.retain(|run| !made.contains(run));
         made.extend(&rung.runs);
     }
     rungs.retain(|rung| !rung.runs.is_empty());
     rungs
 }
 
-/// Returns true if a run can return such ends without a scalar loop, which takes a hundred times as
-/// long as the other runs.
-fn can_keep(ends: Ends, config: &IntegratorConfig) -> bool {
-    let is_scalar = ends.are_carried() && config.method.is_series();
-    !is_scalar && ends.check(config).is_ok()
+/// The ends that a run returns where these are wanted: plain ones, which confirm the state alone, if it
+/// cannot carry the quantity along, or only in a scalar loop, which takes a hundred times as long as
+/// the other runs.
+pub(super) fn ends_of(config: &IntegratorConfig, wanted: Ends) -> Ends {
+    let is_scalar = wanted.are_carried() && config.method.is_series();
+    let can_carry = !is_scalar && wanted.check(config).is_ok();
+    if wanted == Ends::None || !can_carry { Ends::Plain } else { wanted }
 }
 
 fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {
@@ -234,7 +232,7 @@ mod tests {
     fn no_run_is_its_own_witness() {
         for first in [BALANCED, FINER, OTHER, FINEST, BEYOND, LAST] {
             let all: Vec<Run> =
-                rungs(&first, Keep::ENDS, None).into_iter().flat_map(|rung| rung.runs).collect();
+                rungs(&first, None).into_iter().flat_map(|rung| rung.runs).collect();
             let rest = |config| Run::new(config, Origin::Rest);
             for config in [FINER, FINEST, BEYOND, LAST] {
                 let count = all.iter().filter(|run| **run == rest(config)).count();

@@ -35,6 +35,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 mod checked_job;
+pub mod direct;
 mod judge;
 mod ladder;
 mod opinion;
@@ -42,7 +43,7 @@ mod outlook;
 
 use self::checked_job::{CheckedJob, RUNS};
 pub use self::opinion::Opinion;
-pub use self::outlook::Outlook;
+pub use self::outlook::{Outlook, SampledAnswers};
 use super::cpu::CpuEngine;
 use super::depth::DepthEngine;
 use super::{Engine, EngineError, GpuStats, IntegratorConfig, Job, JobResult, Starts, Wait};
@@ -251,5 +252,9 @@ impl Engine for TrustEngine<'_> {
 
     fn gpu_stats(&self) -> Option<GpuStats> {
         self.inner.gpu_stats()
+    }
+
+    fn distrusts(&self) -> bool {
+        self.distrusts
     }
 }

@@ -5,10 +5,11 @@
 //! of the configuration. The distance by which this moves the answer measures the growth of its
 //! errors, and hence its error.
 
+use super::Opinion;
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};
 use crate::engine::{
-    Engine, EngineError, IntegratorConfig, JobResult, Keep, Question, Starts, run_job,
+    Ends, Engine, EngineError, IntegratorConfig, JobResult, Keep, Onset, Question, Starts, run_job,
 };
 use crate::physics::Dd;
 
@@ -19,6 +20,17 @@ pub struct Outlook {
     pub sampled: usize,
     /// Number of those whose errors have grown too large.
     pub beyond: usize,
+    /// The opinion of direct integration on some of the others, where start maps or first moments tell
+    /// their answers.
+    pub opinion: Opinion,
+}
+
+/// The answers to a sample of starts, and which of them errors have grown too large for.
+pub struct SampledAnswers {
+    /// The answers, with their ends.
+    pub result: JobResult,
+    /// True for those beyond the horizon.
+    pub beyond: Vec<bool>,
 }
 
 /// Expected share of right pixels below which a picture deserves a warning.
@@ -29,45 +41,55 @@ const NUDGE: f64 = 30.0;
 const DEEP_NUDGE: f64 = 1e-8;
 
 impl Outlook {
-    /// Computes the outlook from these starts; none once `go_on` returns false.
-    pub fn of(
+    /// Computes some starts, and finds those beyond the horizon; none once `go_on` returns false.
+    pub fn sample(
         engine: &mut dyn Engine,
         question: Question,
-        config: IntegratorConfig,
+        (config, ends): (IntegratorConfig, Ends),
         starts: &Starts,
         go_on: &dyn Fn() -> bool,
-    ) -> Result<Option<Outlook>, EngineError> {
+    ) -> Result<Option<SampledAnswers>, EngineError> {
         let (from, nudge, leaf_half_rad) = match starts {
             Starts::Deep(deep) => (Origin::Map, DEEP_NUDGE, deep.half_side()),
             _ => (Origin::Rest, NUDGE * Run::new(config, Origin::Rest).scale_from_rest(), 0.0),
         };
         let run = Run::new(config, from);
         let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
-        let mut answers = |starts| {
-            let finished = run_job(engine, question, config, starts, Keep::ENDS, go_on)?;
-            let answer = |(outcome, end)| RunResult { outcome, end };
-            let all = |f: JobResult| f.outcomes.into_iter().zip(f.ends).map(answer).collect();
-            Ok::<Option<Vec<RunResult>>, EngineError>(finished.map(all))
-        };
-        let Some(plain) = answers(starts.clone())? else { return Ok(None) };
+        let ends = if ends == Ends::None { Ends::Plain } else { ends };
+        let keep = Keep { ends, states: false };
+        let mut answers = |starts| run_job(engine, question, config, starts, keep, go_on);
+        let Some(result) = answers(starts.clone())? else { return Ok(None) };
         let Some(nudged) = answers(moved_by(starts, moved.nudge))? else { return Ok(None) };
-        let judge = Judge::new(&question, leaf_half_rad);
-        let is_beyond = |(plain, nudged): &(&RunResult, &RunResult)| {
+        let judge = Judge::new(&question, ends, leaf_half_rad);
+        let all = |result: &JobResult| -> Vec<RunResult> {
+            let answers = result.outcomes.iter().zip(&result.ends);
+            answers.map(|(&outcome, &end)| RunResult { outcome, end }).collect()
+        };
+        let is_beyond = |(plain, nudged): (&RunResult, &RunResult)| {
             let scale = |run: &Run| run.error_scale(&plain.end, leaf_half_rad);
             let apart = judge.distance(plain, nudged);
             apart.is_nan() || apart * scale(&run) / scale(&moved) > judge.allowed(plain)
         };
-        let beyond = plain.iter().zip(&nudged).filter(is_beyond).count();
-        Ok(Some(Outlook { sampled: plain.len(), beyond }))
+        let beyond = all(&result).iter().zip(&all(&nudged)).map(is_beyond).collect();
+        Ok(Some(SampledAnswers { result, beyond }))
     }
 
     /// Share of pixels that is expected to be right.
     pub fn expected_right(&self) -> f64 {
-        1.0 - self.beyond as f64 / self.sampled.max(1) as f64
+        let share = |count: usize, all: usize| count as f64 / all.max(1) as f64;
+        let within = 1.0 - share(self.beyond, self.sampled);
+        within * (1.0 - share(self.opinion.contradicted, self.opinion.asked))
     }
 
     /// A warning, if too few pixels are expected to be right.
     pub fn warning(&self) -> Option<String> {
+        if self.opinion.contradicted > 0 {
+            return Some(format!(
+                "{} of {} pixels that were integrated directly contradict the picture: `accuracy` exact \
+                 marks what is wrong; please report this view",
+                self.opinion.contradicted, self.opinion.asked
+            ));
+        }
         (self.expected_right() < ENOUGH).then(|| {
             format!(
                 "about {:.0} % of the simulated pixels are beyond the horizon, where errors have \
@@ -92,6 +114,10 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
         Starts::Thrown(launches) => {
             Starts::Thrown(launches.iter().map(|launch| launch.moved_by(by.map(Dd::new))).collect())
         }
+        Starts::Mixed { starts, thrown } => {
+            let moved = |start: &Onset| start.moved_by(by);
+            Starts::Mixed { starts: starts.iter().map(moved).collect(), thrown: *thrown }
+        }
         Starts::Upright(upright) => moved_by(&Starts::Rest(upright.listed()), by),
         Starts::Resumed { .. } | Starts::Moving(_) => starts.clone(),
     }
@@ -107,12 +133,17 @@ mod tests {
 
     /// The outlook of starts in a row from one of them.
     fn outlook(from: [f64; 2], budget_secs: f64) -> Outlook {
+        let opinion = Opinion::default();
         let mut engine = CpuEngine::new(Some(2)).unwrap();
         let question =
             Question { build: Build::default(), rule: Rule::Second, budget_secs, passes: 1 };
         let angle = |k: u32| [from[0] + 4e-4 * f64::from(k), from[1] + 3e-4 * f64::from(k)];
         let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
-        Outlook::of(&mut engine, question, BALANCED, &starts, &|| true).unwrap().unwrap()
+        let how = (BALANCED, Ends::None);
+        let answers = Outlook::sample(&mut engine, question, how, &starts, &|| true);
+        let beyond = answers.unwrap().unwrap().beyond;
+        let count = beyond.iter().filter(|beyond| **beyond).count();
+        Outlook { sampled: beyond.len(), beyond: count, opinion }
     }
 
     #[test]

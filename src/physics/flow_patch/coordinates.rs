@@ -90,7 +90,7 @@ mod tests {
     }
 
     fn release(half: f64) -> FlowPatch {
-        FlowPatch::release([-1.6601f64, 0.1003].map(f64::sin_cos), half)
+        FlowPatch::release(&dynamics(), [-1.6601f64, 0.1003].map(f64::sin_cos), half)
     }
 
     #[test]

@@ -186,7 +186,7 @@ mod tests {
         let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 9.81);
         let dynamics = Dynamics::new(pendulum, Rule::Second);
         let starts = [-1.6601f64, 0.1003].map(f64::sin_cos);
-        let mut patch = FlowPatch::release(starts, 1e-8);
+        let mut patch = FlowPatch::release(&dynamics, starts, 1e-8);
         let end = patch.follow(&dynamics, 90.0, 1e-12, None);
         assert!(matches!(end, crate::physics::flow_patch::PatchEnd::Spread), "{end:?}");
         let curve = patch.curve(&dynamics, 1e-4).expect("one direction has grown");
@@ -203,7 +203,7 @@ mod tests {
             assert!(point.s.abs() < 1.5 && point.aside < 1e-4);
         }
         // At rest a cell has two directions.
-        let patch = FlowPatch::release(starts, 1e-2);
+        let patch = FlowPatch::release(&dynamics, starts, 1e-2);
         assert!(patch.curve(&dynamics, 1e-4).is_none());
     }
 }

@@ -33,11 +33,13 @@ pub(super) enum PatchEvent {
 }
 
 impl FlowPatch {
-    /// Determines the event at the top within `patch_step`.
+    /// Determines the event at the top within `patch_step`. Until the time `since`, no start was at the
+    /// top or beyond it.
     pub(super) fn event_in(
         &self,
         dynamics: &Dynamics,
         patch_step: &PatchStep,
+        since: f64,
         tolerance: f64,
         reference: Option<&(dyn Reference + 'static)>,
     ) -> PatchEvent {
@@ -57,7 +59,7 @@ impl FlowPatch {
             if turns {
                 events.extend(self.turn(dynamics, patch_step, bob, tolerance, reference));
             } else if passes {
-                events.push(self.pass(dynamics, patch_step, bob, tolerance));
+                events.push(self.pass(dynamics, patch_step, bob, since, tolerance));
             }
         }
         let far = |event: &PatchEvent| match event {
@@ -132,6 +134,7 @@ impl FlowPatch {
         dynamics: &Dynamics,
         patch_step: &PatchStep,
         bob: usize,
+        since: f64,
         tolerance: f64,
     ) -> PatchEvent {
         let start = middle(&self.phase);
@@ -154,7 +157,8 @@ impl FlowPatch {
             && speed.spread() < 0.5 * speed.middle().abs();
         if clear {
             let time = self.time.0 + (self.time.1 + tau);
-            PatchEvent::Pass(Box::new(PatchCrossing { time, shift, phase }))
+            let crossing = PatchCrossing::new(time, shift, phase, since);
+            crossing.map_or(PatchEvent::Unclear, |pass| PatchEvent::Pass(Box::new(pass)))
         } else {
             PatchEvent::NearlyGraze(bob)
         }

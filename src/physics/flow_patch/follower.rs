@@ -13,6 +13,8 @@ pub(super) struct Follower {
     /// The latest patch that may be the end: no start is at the top with any bob, so that events
     /// alone decide which have passed.
     clear: FlowPatch,
+    /// True once the opening is over, with no start at the top or beyond it.
+    is_watching: bool,
     pass_began: Option<f64>,
     budget: f64,
     tolerance: f64,
@@ -29,7 +31,8 @@ impl Follower {
     /// Begins to follow a patch, at most to `budget`, as long as its polynomials leave out no more
     /// than `tolerance`.
     pub(super) fn new(patch: FlowPatch, budget: f64, tolerance: f64) -> Self {
-        Follower { clear: patch.clone(), patch, pass_began: None, budget, tolerance }
+        let is_watching = patch.left_of_opening().is_none();
+        Follower { clear: patch.clone(), is_watching, patch, pass_began: None, budget, tolerance }
     }
 
     /// Plans the next step, or returns the reason why the patch ends here.
@@ -41,11 +44,20 @@ impl Follower {
         if self.patch.settled() {
             return Err(PatchEnd::Grazed);
         }
-        if self.pass_began.is_none() && self.patch.is_clear(dynamics) {
+        let is_clear = self.patch.is_clear(dynamics);
+        if self.pass_began.is_none() && is_clear {
             self.clear.clone_from(&self.patch);
             if self.patch.time.0 >= self.budget {
                 return Err(self.stopped(PatchEnd::Over));
             }
+        }
+        if !self.is_watching && self.patch.left_of_opening().is_none() {
+            // Some starts may have passed the top in the opening, and others are about to: nobody saw
+            // which.
+            if !is_clear {
+                return Err(self.stopped(PatchEnd::Unclear));
+            }
+            self.is_watching = true;
         }
         if self.pass_began.is_some_and(|began| self.patch.time.0 > began + GRAZE_WITHIN) {
             return Err(self.stopped(PatchEnd::Unclear));
@@ -79,9 +91,13 @@ impl Follower {
             return Some(self.stopped(PatchEnd::Spread));
         }
         let patch = &mut self.patch;
-        let event = match patch.left_of_opening(dynamics) {
-            Some(_) => PatchEvent::Nothing,
-            None => patch.event_in(dynamics, &patch_step, self.tolerance, reference.as_deref()),
+        let since = self.clear.time.0;
+        let event = match self.is_watching {
+            false => PatchEvent::Nothing,
+            true => {
+                let reference = reference.as_deref();
+                patch.event_in(dynamics, &patch_step, since, self.tolerance, reference)
+            }
         };
         match event {
             PatchEvent::Nothing => {}

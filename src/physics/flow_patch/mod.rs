@@ -29,7 +29,7 @@ use super::embedded::{dop853, dop853_factor, plus};
 use super::flip::Rule;
 use super::frame::Frame;
 use super::jet::Jet;
-use super::opening;
+use super::opening::Rates;
 use super::phase::Phase;
 use super::reference::{Reference, drop_digits};
 use super::tangents::TangentMap;
@@ -43,8 +43,7 @@ pub struct Dynamics {
     pub pendulum: Pendulum<f64>,
     /// The rule that says which bob is watched.
     pub rule: Rule,
-    /// Reduced time in which the top is not examined: passes that early are known beforehand.
-    pub opening: f64,
+    rates: Rates,
     jets: Pendulum<Jet>,
     inverse_scale: [f64; 2],
 }
@@ -89,6 +88,11 @@ pub struct FlowPatch {
     beyond: [bool; 2],
     /// Tangent map of the middle from its release, where nudges are followed.
     nudges: Option<TangentMap>,
+    /// Reduced time in which the top is not examined: it is known beforehand which starts pass it so
+    /// early.
+    opening: f64,
+    /// Distance from the top in rad that no bob covers in that time.
+    opening_rad: f64,
 }
 
 /// The reason for the end of a patch.
@@ -109,15 +113,25 @@ pub enum PatchEnd {
 /// A crossing of the top by all starts.
 #[derive(Clone, Debug)]
 pub struct PatchCrossing {
-    /// Reduced time at which the middle passes.
-    pub time: f64,
-    /// Delay of the other starts after the middle.
-    pub shift: Jet,
-    /// States of the starts as they pass.
-    pub phase: Phase<Jet>,
+    time: f64,
+    shift: Jet,
+    phase: Phase<Jet>,
 }
 
 impl PatchCrossing {
+    /// The crossing at the reduced `time` of the middle, with the delay of the other starts after it and
+    /// their states as they pass. None if any start can pass before the time `since`, until which all
+    /// are known to be on this side of the top: then the polynomials are wrong.
+    fn new(time: f64, shift: Jet, phase: Phase<Jet>, since: f64) -> Option<Self> {
+        (time - shift.spread() >= since).then_some(PatchCrossing { time, shift, phase })
+    }
+
+    /// The part of the times that their polynomial leaves out, and a bound on the distance of the states
+    /// from the middle one.
+    pub fn tail_and_spread(&self, dynamics: &Dynamics) -> [f64; 2] {
+        [self.shift.tail(), dynamics.spread(&self.phase)]
+    }
+
     /// The reduced time at which the start at a point of the cell flips, and its state then.
     pub fn flip(&self, at: [f64; 2]) -> (f64, Phase<f64>) {
         (self.time + self.shift.at(at), self.phase.map(|jet| jet.at(at)))
@@ -141,7 +155,7 @@ impl Dynamics {
         Dynamics {
             pendulum,
             rule,
-            opening: opening::length(&pendulum),
+            rates: Rates::new(&pendulum),
             jets: pendulum.map(Jet::constant),
             inverse_scale,
         }
@@ -175,6 +189,14 @@ impl Dynamics {
     }
 }
 
+impl Dynamics {
+    /// A bound on the distance of some states from the middle one: unit vectors and scaled momenta.
+    fn spread(&self, phase: &Phase<Jet>) -> f64 {
+        let weight = self.weights();
+        (0..6).map(|i| phase[i].spread() * weight[i]).fold(0.0, f64::max)
+    }
+}
+
 /// The phase in the middle of the cell.
 fn middle(phase: &Phase<Jet>) -> Phase<f64> {
     phase.map(|jet| jet.middle())
@@ -183,11 +205,11 @@ fn middle(phase: &Phase<Jet>) -> Phase<f64> {
 impl FlowPatch {
     /// A cell released from rest, `half` rad around the angles whose sines and cosines are
     /// `sin_cos` (to full precision).
-    pub fn release(sin_cos: [(f64, f64); 2], half: f64) -> Self {
+    pub fn release(dynamics: &Dynamics, sin_cos: [(f64, f64); 2], half: f64) -> Self {
         let [(y1, x1), (y2, x2)] =
             [0, 1].map(|axis| Jet::sin_cos_around(sin_cos[axis], Jet::coordinate(axis, half)));
         let zero = Jet::constant(0.0);
-        FlowPatch::begun([x1, y1, x2, y2, zero, zero])
+        FlowPatch::begun(dynamics, [x1, y1, x2, y2, zero, zero])
     }
 
     /// A cell of starts thrown with speeds, around the state `middle` (to full precision); `by` are
@@ -203,16 +225,23 @@ impl FlowPatch {
         let coupling = c * (x1 * x2 + y1 * y2);
         let momenta = [a * w1 + coupling * w2, coupling * w1 + b * w2];
         // The middle's momenta are known to more digits than its speeds give.
-        FlowPatch::begun([x1, y1, x2, y2, momenta[0].with_middle(p1), momenta[1].with_middle(p2)])
+        let momenta = [momenta[0].with_middle(p1), momenta[1].with_middle(p2)];
+        FlowPatch::begun(dynamics, [x1, y1, x2, y2, momenta[0], momenta[1]])
     }
 
     /// A cell whose starts no polynomials describe.
-    pub fn undescribed() -> Self {
-        FlowPatch::begun([Jet::constant(f64::NAN); 6])
+    pub fn undescribed(dynamics: &Dynamics) -> Self {
+        FlowPatch::begun(dynamics, [Jet::constant(f64::NAN); 6])
     }
 
-    fn begun(phase: Phase<Jet>) -> Self {
+    fn begun(dynamics: &Dynamics, phase: Phase<Jet>) -> Self {
+        let greatest = |speed: Jet| speed.middle().abs() + speed.spread();
+        let [first, second] = dynamics.jets.speeds(&phase).map(greatest);
+        let fastest = first.max(second);
+        let opening = dynamics.rates.length(fastest);
         FlowPatch {
+            opening,
+            opening_rad: dynamics.rates.near_rad(fastest, fastest, opening),
             time: (0.0, 0.0),
             phase,
             step: super::control::FIRST,
@@ -227,8 +256,12 @@ impl FlowPatch {
 
     /// A bound on the distance of its states from the middle one: unit vectors and scaled momenta.
     pub fn spread(&self, dynamics: &Dynamics) -> f64 {
-        let weight = dynamics.weights();
-        (0..6).map(|i| self.phase[i].spread() * weight[i]).fold(0.0, f64::max)
+        dynamics.spread(&self.phase)
+    }
+
+    /// The largest part that its polynomials leave out.
+    pub fn tail(&self, dynamics: &Dynamics) -> f64 {
+        dynamics.tail(&self.phase)
     }
 
     /// Energy of its states, reduced; zero if both rods are level and at rest.
@@ -321,18 +354,25 @@ impl FlowPatch {
         end
     }
 
-    /// Returns true if no start is at the top with a watched bob, or beyond it.
+    /// Returns true if no start is at the top with a watched bob, or beyond it; during the opening, if
+    /// none has been so near that its first moments decide.
     fn is_clear(&self, dynamics: &Dynamics) -> bool {
+        let margin = if self.left_of_opening().is_some() { self.opening_rad } else { 0.0 };
         dynamics.rule.watched().iter().all(|&bob| {
             let (x, y) = (&self.phase[2 * bob], &self.phase[2 * bob + 1]);
-            x.middle() > 0.0 || (y.middle().abs() > y.spread() && !self.beyond[bob])
+            x.middle() > 0.0 || (y.middle().abs() > y.spread() + margin && !self.beyond[bob])
         })
     }
 
     /// The rest of the opening, in which the top is not examined; `None` once it is over.
-    fn left_of_opening(&self, dynamics: &Dynamics) -> Option<f64> {
-        let left = dynamics.opening - self.time.0;
-        (left > 1e-9 * dynamics.opening).then_some(left)
+    fn left_of_opening(&self) -> Option<f64> {
+        let left = self.opening - self.time.0;
+        (left > 1e-9 * self.opening).then_some(left)
+    }
+
+    /// Returns true if the time since the release is much longer than the opening.
+    pub fn is_well_under_way(&self) -> bool {
+        self.time.0 > 10.0 * self.opening
     }
 
     /// Plans the next step, as long as the middle allows it.
@@ -343,7 +383,7 @@ impl FlowPatch {
     ) -> StepPlan {
         let start = middle(&self.phase);
         let (mut length, mut next) = (self.step.min(LONGEST), self.step);
-        length = length.min(self.left_of_opening(dynamics).unwrap_or(length));
+        length = length.min(self.left_of_opening().unwrap_or(length));
         if let Some(reference) = reference {
             length = length.min(reference.reach());
         }

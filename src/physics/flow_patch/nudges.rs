@@ -62,7 +62,7 @@ mod tests {
         let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 1.0).reduced().0;
         let dynamics = Dynamics::new(pendulum, Rule::Neither);
         let (center, half) = ([2.2, -1.9], 1e-5);
-        let mut patch = FlowPatch::release(center.map(f64::sin_cos), half).with_nudges();
+        let mut patch = FlowPatch::release(&dynamics, center.map(f64::sin_cos), half).with_nudges();
         let end = patch.follow(&dynamics, 60.0, 1e-12, None);
         assert!(matches!(end, PatchEnd::Spread), "{end:?}");
         let time = patch.time.0 + patch.time.1;

@@ -4,8 +4,7 @@ use super::{
     BALANCED, HardBench, HardCase, HardFinding, Of, apart, farthest, home, oracle_dd, oracle_f64,
 };
 use crate::engine::{EngineError, Question};
-use crate::physics::opening;
-use crate::physics::{Dd, Outcome, Rule, Status};
+use crate::physics::{Dd, Outcome, Rule, State, Status, oracle};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {
@@ -169,5 +168,6 @@ fn other_side(theta: Dd) -> Dd {
 /// The starts as a grid gives them: a bob at the top is put on the side of its first motion.
 fn settled(question: &Question, starts: &[[Dd; 2]]) -> Vec<[Dd; 2]> {
     let pendulum = question.build.pendulum_in();
-    starts.iter().map(|&start| opening::settled(&pendulum, start)).collect()
+    let settled = |start: &[Dd; 2]| oracle::settled(&pendulum, &State::rest(*start)).angle;
+    starts.iter().map(settled).collect()
 }

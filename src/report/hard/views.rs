@@ -38,11 +38,15 @@ fn picture(bench: &mut HardBench, scene: &Scene) -> Result<Vec<Outcome>, EngineE
     let question = Question { budget_secs: 6.0, ..Question::from(scene) };
     let grid = Grid::new(scene, [SIDE; 2]);
     let fates = (0..SIDE * SIDE).map(|k| grid.fate(k % SIDE, k / SIDE)).collect::<Vec<_>>();
-    let open = |fate: &Fate| if let Fate::Open(start) = fate { Some(*start) } else { None };
+    let open = |fate: &Fate| match fate {
+        Fate::Open(start) => Some(*start),
+        Fate::BesideTop(moments) => Some(moments.angle),
+        Fate::Known(_) | Fate::Thrown(_) => None,
+    };
     let starts: Vec<[Dd; 2]> = fates.iter().filter_map(open).collect();
     let mut answers = bench.answers(&question, BALANCED, &starts)?.into_iter();
     let outcome = |fate: Fate| match fate {
-        Fate::Open(_) => answers.next().unwrap_or(Outcome::without_time(Status::Failed)),
+        Fate::Open(_) | Fate::BesideTop(_) => answers.next().unwrap_or(Outcome::without_time(Status::Failed)),
         Fate::Known(outcome) => outcome,
         Fate::Thrown(_) => unreachable!("views of starts at rest"),
     };

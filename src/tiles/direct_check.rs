@@ -1,0 +1,82 @@
+//! Answers of pixels compared with direct integration from their exact starts.
+
+use rayon::prelude::*;
+
+use super::reader::Reader;
+use crate::engine::trust::{Opinion, direct};
+use crate::engine::{Ends, Question};
+use crate::physics::flip::right_secs;
+use crate::physics::{Dd, Status};
+use crate::question::{Channel, ChannelScale};
+use crate::scene::{Grid, Scene};
+
+/// An answer of a pixel, to be compared.
+pub(super) struct Answered {
+    pub pixel: [u32; 2],
+    pub status: Status,
+    /// Values of the question's channels.
+    pub values: Vec<f64>,
+}
+
+/// The comparison of a picture's answers with direct integration.
+pub(super) struct DirectCheck<'a> {
+    grid: &'a Grid,
+    question: Question,
+    reader: Reader,
+    channels: &'static [Channel],
+    unit_secs: f64,
+}
+
+impl<'a> DirectCheck<'a> {
+    /// The check of a scene's pixels; none for a question that is not answered directly.
+    pub(super) fn new(scene: &Scene, grid: &'a Grid) -> Option<Self> {
+        let (ask, question) = (scene.question.ask, Question::from(scene));
+        let reader = Reader::new(ask, &question);
+        let unit_secs = scene.build.unit_secs();
+        let is_answered = reader.ends() != Ends::Return && question.passes == 1;
+        let channels = ask.kind().channels;
+        is_answered.then_some(DirectCheck { grid, question, reader, channels, unit_secs })
+    }
+
+    /// Integrates all these pixels directly; none once `go_on` returns false.
+    pub(super) fn opinion(
+        &self,
+        answers: &[Answered],
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Opinion> {
+        let contradicts = |answer: &&Answered| go_on() && self.contradicts(answer);
+        let contradicted = answers.par_iter().filter(contradicts).count();
+        go_on().then_some(Opinion { asked: answers.len(), contradicted })
+    }
+
+    /// Returns true if the answer of a pixel is not that of direct integration.
+    fn contradicts(&self, answer: &Answered) -> bool {
+        let [column, row] = answer.pixel;
+        let truth = self.grid.exact_start(column, row).map(|start| {
+            let (outcome, end) = direct::answer(&self.question, self.reader.ends(), &start);
+            self.reader.read(&outcome, &end)
+        });
+        let Some((status, values)) = truth else { return answer.status != Status::Forbidden };
+        if status != answer.status {
+            return true;
+        }
+        let pairs = answer.values.iter().zip(values);
+        let mut channels = self.channels.iter().zip(pairs);
+        status == Status::Flipped && channels.any(|(channel, (a, b))| !self.is_right(channel, *a, b))
+    }
+
+    /// Returns true if a channel's value is right.
+    fn is_right(&self, channel: &Channel, value: f64, truth: f64) -> bool {
+        match channel.scale {
+            ChannelScale::Times => (value - truth).abs() <= right_secs(self.unit_secs),
+            ChannelScale::Cyclic => Dd::new(value - truth).wrapped().hi.abs() <= channel.right,
+            ChannelScale::Rates(_) => (value - truth).abs() <= channel.right * truth.abs(),
+            // Speeds of a fast pendulum are known to the same share of them.
+            _ if channel.unit == "rad/s" => {
+                let faster = (right_secs(1.0) / right_secs(self.unit_secs)).max(1.0);
+                (value - truth).abs() <= channel.right * faster
+            }
+            _ => (value - truth).abs() <= channel.right,
+        }
+    }
+}
