@@ -38,6 +38,11 @@ impl<'a> DirectCheck<'a> {
         is_answered.then_some(DirectCheck { grid, question, reader, channels, unit_secs })
     }
 
+    /// Returns true if integrating a pixel directly takes seconds.
+    pub(super) fn takes_long(&self) -> bool {
+        direct::takes_long(&self.question, self.grid.pixel_rad())
+    }
+
     /// Integrates all these pixels directly; none once `go_on` returns false.
     pub(super) fn opinion(
         &self,
@@ -53,7 +58,8 @@ impl<'a> DirectCheck<'a> {
     fn contradicts(&self, answer: &Answered) -> bool {
         let [column, row] = answer.pixel;
         let truth = self.grid.exact_start(column, row).map(|start| {
-            let (outcome, end) = direct::answer(&self.question, self.reader.ends(), &start);
+            let (ends, apart_rad) = (self.reader.ends(), self.grid.pixel_rad());
+            let (outcome, end) = direct::answer(&self.question, ends, &start, apart_rad);
             self.reader.read(&outcome, &end)
         });
         let Some((status, values)) = truth else { return answer.status != Status::Forbidden };

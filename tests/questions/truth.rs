@@ -47,7 +47,10 @@ pub(crate) fn start(scene: &Scene, side: u32, k: u32) -> Option<State<Dd>> {
         Fate::Known(_) => None,
         Fate::Open(angle) => Some(State::rest(angle)),
         Fate::Thrown(Launch { angle, speed }) => Some(State { angle, speed }),
-        Fate::BesideTop(_) => unreachable!("far from the top"),
+        Fate::BesideTop(moments) => {
+            let Launch { angle, speed } = moments.launch(scene.build.reduced_in::<Dd>().1);
+            Some(State { angle, speed })
+        }
     }
 }
 

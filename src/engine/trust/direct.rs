@@ -12,26 +12,46 @@ use crate::physics::{
 const DECADES_A_UNIT: f64 = 0.16;
 /// Decimal digits that must be right at the end, and guard digits.
 const DIGITS_AT_END: f64 = 12.0;
+/// Decimal digits by which errors stay below the distance between neighbouring starts at all times, so
+/// that a turn which hides the top from one of them and not from the other is told.
+const DIGITS_APART: f64 = 8.0;
 /// Displacement of a start, as a share of a digit beyond those right at the end, by which the growth
 /// of nudges is measured.
 const NUDGE_DIGITS: f64 = 8.0;
 
 /// The outcome of a start, angles in (−π, π] rad and speeds in rad/s, and its end; `ends` says what
-/// the answer needs. The nearest return to the start is not computed.
-pub fn answer(question: &Question, ends: Ends, start: &State<Theta>) -> (Outcome, End) {
-    match limbs(question, ends, start) {
-        0..=3 => Direct::<3>::new(question, start).answer(ends),
-        4 => Direct::<4>::new(question, start).answer(ends),
-        5 => Direct::<5>::new(question, start).answer(ends),
-        6 => Direct::<6>::new(question, start).answer(ends),
-        7 => Direct::<7>::new(question, start).answer(ends),
-        _ => Direct::<8>::new(question, start).answer(ends),
+/// the answer needs, and its neighbours are `apart_rad` away. The nearest return to the start is not
+/// computed.
+pub fn answer(
+    question: &Question,
+    ends: Ends,
+    start: &State<Theta>,
+    apart_rad: f64,
+) -> (Outcome, End) {
+    let apart = DIGITS_APART - apart_rad.log10();
+    match limbs(question, ends, start, apart) {
+        0..=3 => Direct::<3>::new(question, start, apart).answer(ends),
+        4 => Direct::<4>::new(question, start, apart).answer(ends),
+        5 => Direct::<5>::new(question, start, apart).answer(ends),
+        6 => Direct::<6>::new(question, start, apart).answer(ends),
+        7 => Direct::<7>::new(question, start, apart).answer(ends),
+        _ => Direct::<8>::new(question, start, apart).answer(ends),
     }
 }
 
+/// Returns true if direct integration of starts that are `apart_rad` away from their neighbours takes
+/// seconds, because of its many digits.
+pub fn takes_long(question: &Question, apart_rad: f64) -> bool {
+    let apart = DIGITS_APART - apart_rad.log10();
+    limbs(question, Ends::None, &State::rest([Theta::ZERO; 2]), apart) > MOST_LIMBS_IN_A_SECOND
+}
+
+/// Largest number of limbs in which a minute of the home pendulum takes less than a second.
+const MOST_LIMBS_IN_A_SECOND: usize = 4;
+
 /// Number of limbs of numbers with the digits that a start needs: those for the growth of errors, and
 /// those that tell a bob beside the top from one at it.
-fn limbs(question: &Question, ends: Ends, start: &State<Theta>) -> usize {
+fn limbs(question: &Question, ends: Ends, start: &State<Theta>, apart: f64) -> usize {
     let (_, unit_secs) = question.reduced();
     let growth = DECADES_A_UNIT * question.budget_secs / unit_secs;
     let nudge = if ends == Ends::Growth { NUDGE_DIGITS } else { 0.0 };
@@ -40,7 +60,7 @@ fn limbs(question: &Question, ends: Ends, start: &State<Theta>) -> usize {
         if distance > 0.0 { -distance.log10() } else { 0.0 }
     };
     let beside = beside(start.angle[0]).max(beside(start.angle[1])).max(0.0);
-    let digits = DIGITS_AT_END + growth + nudge + beside;
+    let digits = (DIGITS_AT_END + growth + nudge).max(apart) + beside;
     1 + (digits * std::f64::consts::LOG2_10 / 64.0).ceil().max(0.0) as usize
 }
 
@@ -51,10 +71,12 @@ struct Direct<'a, const N: usize> {
     unit_secs: Fixed<N>,
     start: State<Fixed<N>>,
     budget: Fixed<N>,
+    /// Decimal digits that tell neighbouring starts apart.
+    apart: f64,
 }
 
 impl<'a, const N: usize> Direct<'a, N> {
-    fn new(question: &'a Question, start: &State<Theta>) -> Self {
+    fn new(question: &'a Question, start: &State<Theta>, apart: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced_in::<Fixed<N>>();
         let budget = Fixed::from_f64(question.budget_secs) / unit_secs;
         let start = State {
@@ -62,7 +84,7 @@ impl<'a, const N: usize> Direct<'a, N> {
             speed: start.speed.map(|speed| Fixed::from_theta(speed) * unit_secs),
         };
         let start = oracle::settled(&pendulum, &start);
-        Direct { question, pendulum, unit_secs, start, budget }
+        Direct { question, pendulum, unit_secs, start, budget, apart }
     }
 
     fn answer(&self, ends: Ends) -> (Outcome, End) {
@@ -101,7 +123,7 @@ impl<'a, const N: usize> Direct<'a, N> {
     /// less time to grow.
     fn bits(&self, at: f64) -> u32 {
         let left = (self.budget.to_f64() - at).max(0.0);
-        let digits = DIGITS_AT_END + DECADES_A_UNIT * left;
+        let digits = (DIGITS_AT_END + DECADES_A_UNIT * left).max(self.apart);
         (digits * std::f64::consts::LOG2_10).ceil() as u32
     }
 
@@ -158,8 +180,8 @@ mod tests {
     fn digits_suffice_for_the_growth_of_a_hundred_seconds() {
         // Of two integrations in different numbers of digits, both must be right.
         let (question, start) = (question(Rule::First, 100.0), start(["-1.7", "0.06"]));
-        let (short, _) = answer(&question, Ends::None, &start);
-        let (long, _) = Direct::<8>::new(&question, &start).answer(Ends::None);
+        let (short, _) = answer(&question, Ends::None, &start, 1.0);
+        let (long, _) = Direct::<8>::new(&question, &start, 120.0).answer(Ends::None);
         assert_eq!(short.status, long.status);
         assert!((short.time - long.time).abs() < 1e-6 * right_secs(question.build.unit_secs()));
         let decades = 44.0;
