@@ -103,7 +103,8 @@ fn hear_second_opinion(
     renderer: &mut Renderer,
 ) -> anyhow::Result<()> {
     let Some((scene, pass)) = task.still(piece) else { return Ok(()) };
-    let opinion = renderer.second_opinion(&scene, pass.pixels(), Cells::Auto, &|| !stop::asked())?;
+    let opinion =
+        renderer.second_opinion(&scene, pass.pixels(), Cells::Auto, &|| !stop::asked())?;
     if let Some(warning) = opinion.and_then(|opinion| opinion.warning()) {
         super::tell(&format!("flipmap: {warning}"));
     }

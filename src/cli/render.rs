@@ -75,7 +75,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     let mut sinks = Sinks::open(&paths, &document, spec.size())?;
     let mut renderer = Renderer::of(engine, config, spec.verify, options.run.engine.threads())?;
-    let opinion = renderer.second_opinion(&scene, spec.size(), options.cells, &|| !stop::asked())?;
+    let opinion =
+        renderer.second_opinion(&scene, spec.size(), options.cells, &|| !stop::asked())?;
     announce(renderer.engine(), config, spec.verify, &why);
 
     let (setup, mut clock) = (begun.elapsed(), RenderClock::default());

@@ -95,11 +95,7 @@ fn thrown(
 
 /// The state of a pendulum at the end of its first moments; at fixed steps, at its launch, whose angles
 /// are on the side of the top on which it is.
-fn beside_top(
-    job: &Job,
-    reduced: &(Pendulum<Dd>, Dd),
-    moments: &FirstMoments,
-) -> IntegratorState {
+fn beside_top(job: &Job, reduced: &(Pendulum<Dd>, Dd), moments: &FirstMoments) -> IntegratorState {
     let config = &job.config;
     if let Method::Rk4 { .. } = config.method {
         return thrown(config, reduced, &moments.launch(reduced.1));

@@ -2,8 +2,8 @@
 //! double-double.
 
 use super::trace_channels::TraceChannels;
-use crate::physics::opening::Opening;
 use crate::physics::first_moments::FirstPass;
+use crate::physics::opening::Opening;
 use crate::physics::passes::{Pass, passes_in};
 use crate::physics::taylor::{Orbit, TaylorStep};
 use crate::physics::{Dd, Pendulum, Rule, Scalar, State, Theta};

@@ -4,9 +4,9 @@
 //! Engines integrate it from there, so that they need not tell a bob from the top at distances far
 //! below any rounding, and so that the height by which it cleared the top is one that it had later.
 
+use super::opening::{INDISTINCT_RAD, ORDER_DD, ORDER_F64, from_top};
 use super::pendulum::{Launch, Pendulum, State};
 use super::phase::Phase;
-use super::opening::{INDISTINCT_RAD, ORDER_DD, ORDER_F64, from_top};
 use super::real::Scalar;
 use super::series::MotionSeries;
 use super::{Accumulators, Dd, Theta};
@@ -49,8 +49,8 @@ pub struct FirstMoments {
 impl<T: Scalar> Release<T> {
     /// The release of a start in a number type: angles in (−π, π] rad, speeds reduced.
     pub(super) fn new(start: &State<Theta>) -> Self {
-        let [angle, from_top, speed] =
-            [start.angle, start.angle.map(from_top), start.speed].map(|pair| pair.map(T::from_theta));
+        let [angle, from_top, speed] = [start.angle, start.angle.map(from_top), start.speed]
+            .map(|pair| pair.map(T::from_theta));
         let vectors = [0, 1].map(|bob| vector(angle[bob], from_top[bob]));
         Release { from_top, vectors, speed }
     }

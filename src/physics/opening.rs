@@ -163,9 +163,7 @@ impl Opening {
         course: Option<Course>,
     ) -> FirstMoments {
         let Course { passes, sides } = course
-            .or_else(|| {
-                self.course::<Dd, ORDER_DD, { ORDER_DD / 2 }>(&self.rounded, start, length)
-            })
+            .or_else(|| self.course::<Dd, ORDER_DD, { ORDER_DD / 2 }>(&self.rounded, start, length))
             .or_else(|| {
                 self.course::<Theta, ORDER_THETA, { ORDER_THETA / 2 }>(&self.exact, start, length)
             })

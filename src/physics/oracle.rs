@@ -135,7 +135,8 @@ pub fn passages<T: Scalar>(angle: &[T], length: T) -> Vec<T> {
         let below: Vec<T> = above.iter().map(|&c| -c).collect();
         for f in [above, below] {
             let mut from = T::zero();
-            while let Some(time) = first_rise(&f, [from, length], resolved(), most_halvings::<T>()) {
+            while let Some(time) = first_rise(&f, [from, length], resolved(), most_halvings::<T>())
+            {
                 times.push(time);
                 from = time + length * T::from_f64(1e-9);
             }

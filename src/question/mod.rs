@@ -19,9 +19,10 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::physics::flip::right_secs;
 use crate::physics::passes::Pass;
 use crate::physics::phase::Phase;
-use crate::physics::{Accumulators, Outcome, Pendulum, Rule};
+use crate::physics::{Accumulators, Dd, Outcome, Pendulum, Rule};
 
 /// The name of a question.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -166,6 +167,28 @@ pub struct Channel {
     pub right: f64,
     /// Natural scale of its colours.
     pub scale: ChannelScale,
+}
+
+impl Channel {
+    /// Returns true if a value is within `share` of what is right; `unit_secs` is the pendulum's natural
+    /// unit of time, by which times and speeds are judged.
+    pub fn is_right(&self, value: f64, truth: f64, share: f64, unit_secs: f64) -> bool {
+        let apart = (value - truth).abs();
+        let allowed = match self.scale {
+            ChannelScale::Times if self.right <= right_secs(f64::INFINITY) => right_secs(unit_secs),
+            ChannelScale::Rates(_) => self.right * truth.abs(),
+            _ if self.unit == "rad/s" => {
+                // Speeds of a fast pendulum are known to the same share of them.
+                self.right * right_secs(f64::INFINITY) / right_secs(unit_secs)
+            }
+            _ => self.right,
+        };
+        let apart = match self.scale {
+            ChannelScale::Cyclic => Dd::new(value - truth).wrapped().hi.abs(),
+            _ => apart,
+        };
+        apart <= share * allowed
+    }
 }
 
 /// The natural scale of a channel's colours.

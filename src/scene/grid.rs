@@ -6,7 +6,9 @@ use super::{Axis, ExactPlane, Sampling, Scene};
 use crate::physics::first_moments::{FirstMoments, FirstPass};
 use crate::physics::opening::{Opening, from_top};
 use crate::physics::phase::Phase;
-use crate::physics::{Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, State, Status, Theta, oracle};
+use crate::physics::{
+    Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, State, Status, Theta, oracle,
+};
 
 /// The starts of a picture of a scene.
 #[derive(Clone, Debug)]
@@ -109,7 +111,8 @@ impl Grid {
         size: [u32; 2],
     ) -> Self {
         let exact_plane = ExactPlane::new(&scene.plane, &scene.build);
-        let has_cells = scene.has_cells() && Self::is_reached(&exact_plane, center, [right, up], size);
+        let has_cells =
+            scene.has_cells() && Self::is_reached(&exact_plane, center, [right, up], size);
         let leaf_plane = if has_cells { &exact_plane } else { &ExactPlane::AT_REST };
         let reduced = scene.build.reduced_in::<Theta>();
         let rule = scene.question.watched();

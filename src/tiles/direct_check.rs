@@ -5,9 +5,8 @@ use rayon::prelude::*;
 use super::reader::Reader;
 use crate::engine::trust::{Opinion, direct};
 use crate::engine::{Ends, Question};
-use crate::physics::flip::right_secs;
-use crate::physics::{Dd, Status};
-use crate::question::{Channel, ChannelScale};
+use crate::physics::Status;
+use crate::question::Channel;
 use crate::scene::{Grid, Scene};
 
 /// An answer of a pixel, to be compared.
@@ -68,21 +67,9 @@ impl<'a> DirectCheck<'a> {
         }
         let pairs = answer.values.iter().zip(values);
         let mut channels = self.channels.iter().zip(pairs);
-        status == Status::Flipped && channels.any(|(channel, (a, b))| !self.is_right(channel, *a, b))
-    }
-
-    /// Returns true if a channel's value is right.
-    fn is_right(&self, channel: &Channel, value: f64, truth: f64) -> bool {
-        match channel.scale {
-            ChannelScale::Times => (value - truth).abs() <= right_secs(self.unit_secs),
-            ChannelScale::Cyclic => Dd::new(value - truth).wrapped().hi.abs() <= channel.right,
-            ChannelScale::Rates(_) => (value - truth).abs() <= channel.right * truth.abs(),
-            // Speeds of a fast pendulum are known to the same share of them.
-            _ if channel.unit == "rad/s" => {
-                let faster = (right_secs(1.0) / right_secs(self.unit_secs)).max(1.0);
-                (value - truth).abs() <= channel.right * faster
-            }
-            _ => (value - truth).abs() <= channel.right,
-        }
+        let is_wrong = |(channel, (a, b)): (&Channel, (&f64, f64))| {
+            !channel.is_right(*a, b, 1.0, self.unit_secs)
+        };
+        status == Status::Flipped && channels.any(is_wrong)
     }
 }

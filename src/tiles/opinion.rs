@@ -47,8 +47,7 @@ pub fn opinion(
     };
     // In the pixels' order, which is random: leaves are not.
     let is_sure = |place: &usize| {
-        samples.trust(*place) != Trust::Uncertain
-            && samples.get(*place).status != Status::Forbidden
+        samples.trust(*place) != Trust::Uncertain && samples.get(*place).status != Status::Forbidden
     };
     let answered = |place: usize| Answered {
         pixel: pixels[place],

@@ -4,14 +4,14 @@ use rayon::prelude::*;
 
 use super::Samples;
 use crate::engine::{End, Ends, JobResult, Question};
-use crate::physics::transport::{transported, turns_between};
 use crate::physics::phase::Phase;
+use crate::physics::transport::{transported, turns_between};
 use crate::physics::{Outcome, Pendulum, Status};
 use crate::question::{Ask, Ending, MOST_CHANNELS, Needs};
 
 /// A reader of the answers to one question about one pendulum.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reader {
+pub(crate) struct Reader {
     ask: Ask,
     /// The pendulum in reduced units, and its unit of time in s.
     pendulum: Pendulum<f64>,
@@ -22,13 +22,13 @@ pub(super) struct Reader {
 
 impl Reader {
     /// A reader of the answers to `ask` in results of jobs with this question.
-    pub(super) fn new(ask: Ask, question: &Question) -> Self {
+    pub(crate) fn new(ask: Ask, question: &Question) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         Reader { ask, pendulum, unit_secs, at: question.budget_secs / unit_secs }
     }
 
     /// The ends that jobs must return.
-    pub(super) fn ends(&self) -> Ends {
+    pub(crate) fn ends(&self) -> Ends {
         self.ask.kind().needs.into()
     }
 
@@ -51,7 +51,7 @@ impl Reader {
     }
 
     /// The status of an answer and its channels.
-    pub(super) fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MOST_CHANNELS]) {
+    pub(crate) fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MOST_CHANNELS]) {
         let ends_at_a_time = self.ask.kind().at_a_time && outcome.status == Status::Unflipped;
         let (mut phase, mut gathered) = (end.phase, end.gathered);
         if ends_at_a_time {

@@ -93,9 +93,8 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
         let row = |value: &dyn Fn(&IntegratorState) -> f64| -> [f64; MOST_LANES] {
             std::array::from_fn(|lane| value(start(lane)))
         };
-        let load = |value: &dyn Fn(&IntegratorState) -> f64| {
-            <N::Leading as Lanes>::load(set, &row(value))
-        };
+        let load =
+            |value: &dyn Fn(&IntegratorState) -> f64| <N::Leading as Lanes>::load(set, &row(value));
         let number = |place: usize| load(&|start| start.numbers[place]);
         let state: Tangents<N, N::Leading> = std::array::from_fn(|i| {
             let [high, low] = [i, 6 + i].map(|place| row(&|start| start.numbers[place]));
@@ -165,12 +164,7 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
 
     /// Moves to the next state in lanes where `test` is negative.
     #[inline(always)]
-    fn take(
-        &mut self,
-        next: &Tangents<N, N::Leading>,
-        length: N::Leading,
-        test: N::Leading,
-    ) {
+    fn take(&mut self, next: &Tangents<N, N::Leading>, length: N::Leading, test: N::Leading) {
         for (number, next) in self.state.iter_mut().zip(next) {
             number.value = next.value.select(test, number.value);
             for (slope, next) in number.slope.iter_mut().zip(next.slope) {

@@ -105,8 +105,11 @@ impl DomainSplitting {
             rule: question.rule,
             plane: *deep.plane,
             strict: deep.strict,
-            opening: Question { budget_secs: f64::INFINITY, ..*question }
-                .opening(if nudges { Ends::Growth } else { Ends::Plain }),
+            opening: Question { budget_secs: f64::INFINITY, ..*question }.opening(if nudges {
+                Ends::Growth
+            } else {
+                Ends::Plain
+            }),
             nudges,
             anchors: Mutex::default(),
             finished: Mutex::default(),

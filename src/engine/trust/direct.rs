@@ -142,10 +142,8 @@ impl<'a, const N: usize> Direct<'a, N> {
             pair[k] = pair[k] + by;
             let moved = self.state_at(&moved, time);
             let slope = |a: Fixed<N>, b: Fixed<N>| ((a - b) / by).to_f64();
-            let [angle, speed] =
-                [(moved.angle, end.angle), (moved.speed, end.speed)].map(|(a, b)| {
-                    [slope(a[0], b[0]), slope(a[1], b[1])]
-                });
+            let [angle, speed] = [(moved.angle, end.angle), (moved.speed, end.speed)]
+                .map(|(a, b)| [slope(a[0], b[0]), slope(a[1], b[1])]);
             [angle[0], angle[1], speed[0], speed[1]]
         };
         tangents::largest_singular_value([0, 1, 2, 3].map(column)).ln()

@@ -46,7 +46,9 @@ fn picture(bench: &mut HardBench, scene: &Scene) -> Result<Vec<Outcome>, EngineE
     let starts: Vec<[Dd; 2]> = fates.iter().filter_map(open).collect();
     let mut answers = bench.answers(&question, BALANCED, &starts)?.into_iter();
     let outcome = |fate: Fate| match fate {
-        Fate::Open(_) | Fate::BesideTop(_) => answers.next().unwrap_or(Outcome::without_time(Status::Failed)),
+        Fate::Open(_) | Fate::BesideTop(_) => {
+            answers.next().unwrap_or(Outcome::without_time(Status::Failed))
+        }
         Fate::Known(outcome) => outcome,
         Fate::Thrown(_) => unreachable!("views of starts at rest"),
     };

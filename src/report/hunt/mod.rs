@@ -1,8 +1,14 @@
-//! A hunt for wrong pixels: random scenes rendered with `exact`, and the pixels not marked as
+//! A hunt for wrong pixels: random scenes rendered with every pixel checked, and the pixels not marked as
 //! uncertain compared with a referee that shares nothing with the engines but the right-hand side.
+//!
+//! [`scenes`] draws what is asked, [`how`] the engine, configuration and cells by which it is computed;
+//! [`start`] places the pixels, [`referee`] follows them, and [`answers`] reads and judges.
 
+mod answers;
+mod how;
 mod referee;
 mod scenes;
+mod start;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -10,21 +16,23 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use self::referee::Referee;
-use self::scenes::{Scenes, start};
+use self::answers::{Answer, Judged, RefereeVerdict};
+use self::how::{How, Renderers};
+use self::scenes::Scenes;
 use super::{ReportError, StopTest};
 use crate::engine::choice::{Chosen, EngineRequest, choose};
 use crate::engine::plain_file::read_text;
-use crate::engine::{Engine, EngineError, IntegratorConfig, Trust};
-use crate::physics::flip::right_secs;
-use crate::physics::{Angle, Dd, Fixed, Outcome, Scalar, Status, Theta};
-use crate::scene::{Scene, View, Word};
+use crate::engine::{Ends, Engine, EngineError, IntegratorConfig, Trust};
+use crate::physics::{Scalar, Status, Theta};
+use crate::question::{Ask, MOST_CHANNELS};
+use crate::scene::{PlaneKind, Scene, View, Word};
 use crate::tiles::preview::preview;
-use crate::tiles::{Renderer, Samples, Work};
+use crate::tiles::{Samples, Work, check_feasible};
 
 /// Pixels along each side of a window.
 const SIDE: u32 = 32;
-/// Number of pixels of a deep window that are judged: each takes a long solution of its own.
+/// Number of pixels of a deep window, or of one of growth, that are judged: each takes a long solution of
+/// its own.
 const DEEP_SAMPLE: usize = 16;
 
 /// Time limit for rendering a window; a slower one is skipped.
@@ -43,6 +51,8 @@ pub struct Hunt {
     pub windows: usize,
     /// Number of windows skipped because they took too long to render.
     pub too_slow: usize,
+    /// Number of windows skipped because they are refused, or no engine of this machine computes them.
+    pub refused: usize,
     /// Number of simulated pixels in the windows.
     pub simulated: usize,
     /// Number of pixels marked as uncertain.
@@ -96,39 +106,41 @@ impl Hunt {
         let mut hunt = Hunt { seed, ..Hunt::default() };
         let mut scenes = Scenes::new(seed);
         let Chosen { mut engine, config, .. } = choose(request, &|_| {})?;
-        let checked = choose(request, &|_| {})?.engine;
-        let mut exact = Renderer::of(checked, config, true, request.threads)?;
+        let mut renderers = Renderers::new(request);
         while Instant::now() < until && hunt.windows < most_windows && !stop() {
             let go_on = || !stop();
             let (scene, lure) = scenes.next(engine.as_mut(), config, &go_on)?;
-            let picks = scenes.seed();
+            let (how, picks) = (scenes.how(request.kind), scenes.seed());
             // A scene drawn out of range is skipped.
             let Ok(scene) = scene.checked() else { continue };
-            log::debug!("{lure:?}: {}", command(&scene));
+            let window = Window { scene, how, lure: format!("{lure:?}") };
+            log::debug!("{lure:?}: {}", window.command());
             let begun = Instant::now();
             let in_time = || go_on() && begun.elapsed() < RENDER_PATIENCE;
-            let Some(samples) = exact.render_while(&scene, [SIDE; 2], &|_| in_time())? else {
-                hunt.too_slow += 1;
-                continue;
-            };
-            log::debug!("judging");
-            hunt.judge(&scene, &format!("{lure:?}"), &samples, picks, stop);
-            told(&hunt);
+            match window.rendered(&mut renderers, &in_time)? {
+                Rendering::Done(samples) => {
+                    log::debug!("judging");
+                    hunt.judge(&window, &samples, picks, stop);
+                    told(&hunt);
+                }
+                Rendering::Refused => hunt.refused += 1,
+                Rendering::Late => hunt.too_slow += 1,
+            }
         }
         Ok(hunt)
     }
 
     /// Judges a window and adds the results, unless it is stopped midway.
-    fn judge(&mut self, scene: &Scene, lure: &str, samples: &Samples, picks: u64, stop: StopTest) {
+    fn judge(&mut self, window: &Window, samples: &Samples, picks: u64, stop: StopTest) {
         let all = 0..samples.len();
         let is_simulated = |k: &usize| samples.get(*k).status != Status::Forbidden;
         let marked = |k: &usize| samples.trust(*k) == Trust::Uncertain;
         let simulated = all.clone().filter(is_simulated).count();
         let count = all.clone().filter(marked).count();
         let mut unmarked: Vec<usize> = all.filter(|k| !marked(k)).collect();
-        let deep = is_deep(&scene.view);
+        let judged = Judged::new(&window.scene, SIDE);
         fastrand::Rng::with_seed(picks).shuffle(&mut unmarked);
-        if deep {
+        if judged.deep || window.ends() == Ends::Growth {
             unmarked.truncate(DEEP_SAMPLE);
         }
         let until = Instant::now() + WINDOW_PATIENCE;
@@ -136,7 +148,7 @@ impl Hunt {
         let one = |k: usize| {
             let begun = Instant::now();
             let give_up = || is_over() || begun.elapsed() > PIXEL_PATIENCE;
-            (k, verdict(scene, pixel(k), &samples.get(k), deep, &give_up))
+            (k, judged.verdict(pixel(k), &answer(samples, k), &give_up))
         };
         let verdicts: Vec<(usize, RefereeVerdict)> =
             unmarked.into_par_iter().take_any_while(|_| !is_over()).map(one).collect();
@@ -153,11 +165,11 @@ impl Hunt {
                 RefereeVerdict::Right => {}
                 RefereeVerdict::Untold => self.untold += 1,
                 RefereeVerdict::Wrong(truth) => self.wrong.push(WrongPixel {
-                    command: command(scene),
-                    lure: lure.to_string(),
+                    command: window.command(),
+                    lure: window.lure.clone(),
                     pixel: pixel(k),
-                    given: words(&samples.get(k)),
-                    truth: words(&truth),
+                    given: window.words(&answer(samples, k)),
+                    truth: window.words(&truth),
                     trust: samples.trust(k),
                 }),
             }
@@ -165,32 +177,85 @@ impl Hunt {
     }
 }
 
-fn pixel(place: usize) -> [u32; 2] {
-    [place as u32 % SIDE, place as u32 / SIDE]
+/// A scene, the way in which it is computed, and the lure that it was drawn for.
+struct Window {
+    scene: Scene,
+    how: How,
+    lure: String,
 }
 
-fn words(outcome: &Outcome) -> String {
-    match outcome.status {
-        Status::Flipped => format!("{:?} s", outcome.time),
-        status => format!("{status:?}").to_lowercase(),
+/// The result of rendering a window.
+enum Rendering {
+    Done(Samples),
+    /// It cannot be computed in this way, or on this machine.
+    Refused,
+    /// It took too long.
+    Late,
+}
+
+impl Window {
+    fn ends(&self) -> Ends {
+        self.scene.question.ask.kind().needs.into()
+    }
+
+    /// The samples of the window, with every pixel checked.
+    fn rendered(
+        &self,
+        renderers: &mut Renderers,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Rendering, ReportError> {
+        let Some(renderer) = renderers.of(&self.how, self.ends())? else {
+            return Ok(Rendering::Refused);
+        };
+        let (scene, size, cells) = (&self.scene, [SIDE; 2], self.how.cells);
+        if check_feasible(scene, size, &renderer.config(), cells).is_err() {
+            return Ok(Rendering::Refused);
+        }
+        renderer.second_opinion(scene, size, cells, go_on)?;
+        let mut work = renderer.work(scene, size).with_cells(cells);
+        let samples = preview(&mut work, size, renderer.engine(), &|_| go_on())?;
+        Ok(samples.map_or(Rendering::Late, Rendering::Done))
+    }
+
+    /// The command that renders the picture again.
+    fn command(&self) -> String {
+        let scene = &self.scene;
+        let is_section = scene.plane.kind == PlaneKind::Section;
+        let has_effect = |word: Word| match word {
+            Word::Rule | Word::Count => scene.question.ask == Ask::Flip,
+            Word::At => scene.question.at.is_some(),
+            Word::Energy => is_section,
+            Word::Origin => !is_section,
+            _ => true,
+        };
+        let words = Word::ALL.iter().filter(|(_, word)| has_effect(*word));
+        let options: Vec<String> =
+            words.map(|(setting, word)| format!("--{setting}={}", word.text(scene))).collect();
+        let (how, options) = (self.how.options(), options.join(" "));
+        format!("flipmap render {how} --size {SIDE}x{SIDE} {options} -o hunted.png")
+    }
+
+    /// An answer in words: seconds, or a status, or the values of all channels.
+    fn words(&self, (status, values): &Answer) -> String {
+        let channels = self.scene.question.ask.kind().channels;
+        match (status, channels.len()) {
+            (Status::Flipped, 1) => format!("{:?} {}", values[0], channels[0].unit),
+            (Status::Flipped, count) => format!("{:?}", &values[..count]),
+            (status, _) => format!("{status:?}").to_lowercase(),
+        }
     }
 }
 
-/// The command that renders the picture again.
-fn command(scene: &Scene) -> String {
-    let options: Vec<String> = Word::ALL
-        .iter()
-        .map(|(setting, word)| format!("--{setting}={}", word.text(scene)))
-        .collect();
-    format!(
-        "flipmap render --accuracy exact --engine cpu --size {SIDE}x{SIDE} {} -o hunted.png",
-        options.join(" ")
-    )
+/// The answer of a sample.
+fn answer(samples: &Samples, k: usize) -> Answer {
+    let mut values = [0.0; MOST_CHANNELS];
+    let given = samples.values(k);
+    values[..given.len()].copy_from_slice(given);
+    (samples.get(k).status, values)
 }
 
-/// Returns true if f64 cannot distinguish the pixels of a view well enough to judge them.
-fn is_deep(view: &View) -> bool {
-    view.width_rad().to_f64() / view.stretch.max(1.0) < 1e-9
+fn pixel(place: usize) -> [u32; 2] {
+    [place as u32 % SIDE, place as u32 / SIDE]
 }
 
 /// A view an eighth as wide around the two neighbours that differ most in a row through the middle,
@@ -218,84 +283,4 @@ fn edge(
     let center = [across + Theta::from_f64(by), above].map(|theta| theta.decimal(digits));
     let view = View { center, width: format!("{:.2e}", width / 8.0), ..scene.view.clone() };
     Ok(Some(Scene { view, ..scene.clone() }))
-}
-
-/// Function that returns true when the referee should give up.
-type GiveUp<'a> = &'a (dyn Fn() -> bool + Sync);
-
-/// The referee's verdict on an answer.
-enum RefereeVerdict {
-    Right,
-    Wrong(Outcome),
-    Untold,
-}
-
-fn verdict(
-    scene: &Scene,
-    pixel: [u32; 2],
-    given: &Outcome,
-    deep: bool,
-    give_up: GiveUp,
-) -> RefereeVerdict {
-    let angle = start(scene, SIDE, pixel);
-    let judge = |truth: Option<Outcome>, other: Option<Outcome>| match (truth, other) {
-        (Some(truth), Some(other)) if is_same(scene, &truth, &other, 0.01) => {
-            let right = is_same(scene, given, &truth, 1.0);
-            Some(if right { RefereeVerdict::Right } else { RefereeVerdict::Wrong(truth) })
-        }
-        _ => None,
-    };
-    if !deep {
-        // Far fewer digits than the truth has, but a wrong answer is not confirmed by accident.
-        let agrees =
-            |truth: Option<Outcome>| truth.is_some_and(|truth| is_same(scene, given, &truth, 0.2));
-        if agrees(truth::<f64>(scene, angle, 8, 5e-14, give_up))
-            || agrees(truth::<Dd>(scene, angle, 11, 1e-27, give_up))
-        {
-            return RefereeVerdict::Right;
-        }
-        let short = truth::<Fixed<3>>(scene, angle, 13, 1e-33, give_up);
-        let long = truth::<Fixed<4>>(scene, angle, 16, 1e-50, give_up);
-        if let Some(verdict) = judge(long, short) {
-            return verdict;
-        }
-    }
-    let long = truth::<Fixed<6>>(scene, angle, 22, 1e-85, give_up);
-    let longest = truth::<Fixed<8>>(scene, angle, 28, 1e-120, give_up);
-    judge(longest, long).unwrap_or(RefereeVerdict::Untold)
-}
-
-/// Returns true if two outcomes agree in status and, if flipped, within `share` of what is right.
-fn is_same(scene: &Scene, a: &Outcome, b: &Outcome, share: f64) -> bool {
-    let within = share * right_secs(scene.build.unit_secs());
-    a.status == b.status && (a.time - b.time).abs() <= within
-}
-
-/// The outcome of a start in a number type's digits, or `None` if it cannot be decided in them.
-fn truth<T: Scalar + Angle>(
-    scene: &Scene,
-    angle: [Theta; 2],
-    columns: usize,
-    tolerance: f64,
-    give_up: GiveUp,
-) -> Option<Outcome> {
-    let (exact, unit_secs) = scene.build.reduced_in::<Theta>();
-    let circles = angle.map(Angle::sin_cos);
-    let depth = exact.depth(circles.map(|(_, cos)| cos));
-    if exact.forbids_depth(scene.question.rule, depth) {
-        return Some(Outcome::without_time(Status::Forbidden));
-    }
-    let budget = Theta::from_f64(scene.question.budget.secs) / unit_secs;
-    let referee = Referee {
-        pendulum: exact.map(T::from_theta),
-        rule: scene.question.rule,
-        budget: T::from_theta(budget),
-        columns,
-        tolerance,
-        give_up,
-    };
-    let [(y1, x1), (y2, x2)] = circles;
-    let outcome = referee.outcome([x1, y1, x2, y2].map(T::from_theta))?;
-    let time = outcome.time.to_f64() * unit_secs.to_f64();
-    Some(Outcome { status: outcome.status, time })
 }

@@ -6,14 +6,17 @@
 //! been at the top in it, or if one crossed the top exactly once; otherwise it is halved. The bound
 //! on a bob's path comes from its acceleration at both ends, with a safety factor.
 
-use crate::physics::phase::Phase;
-use crate::physics::{Outcome, Pendulum, Rule, Scalar, Status};
+use crate::physics::phase::{Phase, distance};
+use crate::physics::{Pendulum, Scalar};
 
-/// A solver for the flip time of one pendulum.
+/// A solver for the motion of one pendulum.
 pub(super) struct Referee<'a, T> {
     /// The pendulum in reduced units.
     pub pendulum: Pendulum<T>,
-    pub rule: Rule,
+    /// The bobs whose passes of the top are told.
+    pub bobs: &'static [usize],
+    /// Number of passes after which the pendulum is done.
+    pub passes: u32,
     /// The budget in reduced units.
     pub budget: T,
     /// Number of columns of the extrapolation.
@@ -24,11 +27,26 @@ pub(super) struct Referee<'a, T> {
     pub give_up: &'a (dyn Fn() -> bool + Sync),
 }
 
+/// The end of a motion: at its last pass, or at the end of the budget.
+#[derive(Clone, Debug)]
+pub(super) struct MotionEnd<T> {
+    /// True if it ended at its last pass.
+    pub flipped: bool,
+    /// Reduced time.
+    pub time: T,
+    pub phase: Phase<T>,
+    /// Passes of each bob, anticlockwise and clockwise.
+    pub passes: [u32; 4],
+    /// Least distance from the start after having left it, and its reduced time.
+    pub nearest: [f64; 2],
+}
+
 /// The verdict on whether a bob crossed the top in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TopVerdict {
     Clear,
-    Passes,
+    /// This bob passes.
+    Passes(usize),
     Unclear,
 }
 
@@ -37,55 +55,123 @@ const LONGEST: f64 = 0.25;
 /// Step below which a failing error test means that the number type has too few digits.
 const LEAST_FOR_ERRORS: f64 = 1e-6;
 /// Step below which nothing can be decided any more.
-const SHORTEST: f64 = 1e-40;
+const SHORTEST: f64 = 1e-60;
+/// First step of a bob that begins exactly at the top, after which it is on the side to which it moves.
+const OFF_THE_TOP: f64 = 1e-6;
 const MOST_STEPS: usize = 2_000_000;
 /// Factor by which a bob's acceleration within a step may exceed that at its ends.
 const ROOM: f64 = 4.0;
+/// Halvings in the search for the nearest return within a step.
+const HALVINGS: usize = 40;
 
 impl<T: Scalar> Referee<'_, T> {
-    /// The outcome of a release from rest with these unit vectors, its time reduced; `None` if it
-    /// cannot be decided in these digits.
-    pub(super) fn outcome(&self, vectors: [T; 4]) -> Option<Outcome<T>> {
-        let zero = T::zero();
-        let [x1, y1, x2, y2] = vectors;
-        let mut phase = [x1, y1, x2, y2, zero, zero];
-        let (mut time, mut step) = (zero, T::from_f64(1e-2));
+    /// The end of a motion from a state; `None` if it cannot be decided in these digits.
+    pub(super) fn end(&self, start: &Phase<T>) -> Option<MotionEnd<T>> {
+        let mut now = MotionEnd {
+            flipped: false,
+            time: T::zero(),
+            phase: *start,
+            passes: [0; 4],
+            nearest: [f64::INFINITY, 0.0],
+        };
+        let mut has_left = false;
+        let mut step = T::from_f64(1e-2);
+        if self.bobs.iter().any(|&bob| Self::is_at_top(bob, start)) {
+            let off = T::from_f64(OFF_THE_TOP);
+            (now.phase, now.time) = (self.step(start, off).0, off);
+        }
         for _ in 0..MOST_STEPS {
-            if time >= self.budget {
-                return Some(Outcome::without_time(Status::Unflipped));
+            let left = self.budget - now.time;
+            if left <= T::zero() {
+                return Some(now);
             }
             if (self.give_up)() {
                 return None;
             }
-            let (next, error) = self.step(&phase, step);
+            let length = if step < left { step } else { left };
+            let (next, error) = self.step(&now.phase, length);
             if error.is_nan() || error > self.tolerance {
-                if step.to_f64() < LEAST_FOR_ERRORS {
+                if length.to_f64() < LEAST_FOR_ERRORS {
                     return None;
                 }
-                step = step * T::from_f64(0.5);
+                step = length * T::from_f64(0.5);
                 continue;
             }
-            match self.way(&phase, &next, step) {
-                TopVerdict::Clear => {
-                    (phase, time) = (next, time + step);
-                    // The error of the last column falls with a high power of the step.
-                    let power = 1.0 / (2 * self.columns - 1) as f64;
-                    let factor = 0.7 * (self.tolerance / error.max(1e-300)).powf(power);
-                    let longer = step * T::from_f64(factor.clamp(0.3, 2.0));
-                    step =
-                        if longer > T::from_f64(LONGEST) { T::from_f64(LONGEST) } else { longer };
+            match self.way(&now.phase, &next, length) {
+                TopVerdict::Unclear if length.to_f64() < SHORTEST => return None,
+                TopVerdict::Unclear => {
+                    step = length * T::from_f64(0.5);
+                    continue;
                 }
-                TopVerdict::Passes => {
-                    let flip = time + self.passage(&phase, step)?;
-                    let late = flip > self.budget;
-                    let unflipped = Outcome::without_time(Status::Unflipped);
-                    return Some(if late { unflipped } else { Outcome::flipped(flip) });
+                TopVerdict::Passes(bob) => {
+                    let clockwise = now.phase[2 * bob + 1] < T::zero();
+                    now.passes[2 * bob + usize::from(clockwise)] += 1;
+                    if now.passes.iter().sum::<u32>() >= self.passes {
+                        let tau = self.passage(bob, &now.phase, length)?;
+                        let phase = self.step(&now.phase, tau).0;
+                        return Some(MotionEnd {
+                            flipped: true,
+                            time: now.time + tau,
+                            phase,
+                            ..now
+                        });
+                    }
                 }
-                TopVerdict::Unclear if step.to_f64() < SHORTEST => return None,
-                TopVerdict::Unclear => step = step * T::from_f64(0.5),
+                TopVerdict::Clear => {}
             }
+            self.look_back(start, &mut now, &next, length, &mut has_left);
+            (now.phase, now.time) = (next, now.time + length);
+            // The error of the last column falls with a high power of the step.
+            let power = 1.0 / (2 * self.columns - 1) as f64;
+            let factor = 0.7 * (self.tolerance / error.max(1e-300)).powf(power);
+            let longer = length * T::from_f64(factor.clamp(0.3, 2.0));
+            step = if longer > T::from_f64(LONGEST) { T::from_f64(LONGEST) } else { longer };
         }
         None
+    }
+
+    /// Returns true if a bob is exactly at the top.
+    fn is_at_top(bob: usize, phase: &Phase<T>) -> bool {
+        phase[2 * bob] < T::zero() && phase[2 * bob + 1] == T::zero()
+    }
+
+    /// Keeps the nearest return to the start if the step to `next` has one.
+    fn look_back(
+        &self,
+        start: &Phase<T>,
+        now: &mut MotionEnd<T>,
+        next: &Phase<T>,
+        step: T,
+        has_left: &mut bool,
+    ) {
+        let (before, after) = (self.receding(start, &now.phase), self.receding(start, next));
+        *has_left |= before > 0.0 && after < 0.0;
+        if !(*has_left && before < 0.0 && after >= 0.0) {
+            return;
+        }
+        let (mut low, mut high) = (T::zero(), step);
+        for _ in 0..HALVINGS {
+            let middle = (low + high) * T::from_f64(0.5);
+            let is_before = self.receding(start, &self.step(&now.phase, middle).0) < 0.0;
+            *(if is_before { &mut low } else { &mut high }) = middle;
+        }
+        let phase = self.step(&now.phase, high).0;
+        let scale = self.pendulum.momentum_scale().map(|scale| T::from_f64(1.0) / scale);
+        let distance = distance(&phase, start, scale).to_f64();
+        if distance < now.nearest[0] {
+            now.nearest = [distance, (now.time + high).to_f64()];
+        }
+    }
+
+    /// Half the rate of change of the squared distance from the start.
+    fn receding(&self, start: &Phase<T>, phase: &Phase<T>) -> f64 {
+        let rate = self.pendulum.derivative(phase);
+        let scale = self.pendulum.momentum_scale();
+        let part = |i: usize| {
+            let part = (phase[i] - start[i]) * rate[i];
+            if i < 4 { part } else { part / (scale[i - 4] * scale[i - 4]) }
+        };
+        (0..6).fold(T::zero(), |sum, i| sum + part(i)).to_f64()
     }
 
     /// Makes a step and returns the distance between its last two columns as its error.
@@ -131,7 +217,7 @@ impl<T: Scalar> Referee<'_, T> {
 
     /// The verdict on all watched bobs in a step.
     fn way(&self, from: &Phase<T>, to: &Phase<T>, step: T) -> TopVerdict {
-        let ways = self.rule.watched().iter().map(|&bob| self.way_of(bob, from, to, step));
+        let ways = self.bobs.iter().map(|&bob| self.way_of(bob, from, to, step));
         let mut all = TopVerdict::Clear;
         for way in ways {
             // Two crossings in one step are separated by shorter steps.
@@ -161,7 +247,7 @@ impl<T: Scalar> Referee<'_, T> {
             let steady = |rate: f64| rate.abs() > bend * h && rate * y0 < 0.0;
             let passes = steady(ends[0].rate) && steady(ends[1].rate);
             let above = ends[0].x < 0.0 && ends[1].x < 0.0;
-            return if passes && above { TopVerdict::Passes } else { TopVerdict::Unclear };
+            return if passes && above { TopVerdict::Passes(bob) } else { TopVerdict::Unclear };
         }
         // A lower bound from each end over half of the step.
         let half = 0.5 * h;
@@ -183,17 +269,12 @@ impl<T: Scalar> Referee<'_, T> {
         BobMotion { x, y, rate, bend, speed }
     }
 
-    /// Time from the beginning of a step to the crossing of the top.
-    fn passage(&self, from: &Phase<T>, step: T) -> Option<T> {
+    /// Time from the beginning of a step to a bob's crossing of the top.
+    fn passage(&self, bob: usize, from: &Phase<T>, step: T) -> Option<T> {
         let (mut low, mut high) = (T::zero(), step);
         let mut at = step * T::from_f64(0.5);
-        for _ in 0..200 {
+        for _ in 0..400 {
             let (phase, _) = self.step(from, at);
-            let bobs = self.rule.watched().iter();
-            let bob = *bobs.min_by(|a, b| {
-                let height = |bob: usize| self.motion(bob, &phase).y.abs();
-                height(**a).total_cmp(&height(**b))
-            })?;
             let begin = from[2 * bob + 1];
             let y = phase[2 * bob + 1];
             if y * begin > T::zero() {
@@ -204,7 +285,7 @@ impl<T: Scalar> Referee<'_, T> {
             let rate = self.pendulum.speeds(&phase)[bob] * phase[2 * bob];
             let newton = at - y / rate;
             // The error of Newton's method is about the square of its step.
-            let near = (newton - at).abs().to_f64() < self.tolerance.sqrt();
+            let near = (newton - at).abs().to_f64() < self.tolerance.sqrt() * step.to_f64();
             if near {
                 return Some(newton);
             }
@@ -230,23 +311,24 @@ struct BobMotion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Angle, Fixed};
+    use crate::physics::{Angle, Fixed, Rule};
 
     fn flip<T: Scalar + Angle>(angle: [&str; 2], rule: Rule, columns: usize, tolerance: f64) -> T {
         let one = T::from_f64(1.0);
         let pendulum = Pendulum::points([one; 2], [one; 2], one);
         let referee = Referee {
             pendulum,
-            rule,
+            bobs: rule.watched(),
+            passes: 1,
             budget: T::from_f64(60.0),
             columns,
             tolerance,
             give_up: &|| false,
         };
         let [(y1, x1), (y2, x2)] = angle.map(|text| T::parse(text).unwrap().sin_cos());
-        let outcome = referee.outcome([x1, y1, x2, y2]).expect("plain");
-        assert_eq!(outcome.status, Status::Flipped);
-        outcome.time
+        let end = referee.end(&[x1, y1, x2, y2, T::zero(), T::zero()]).expect("plain");
+        assert!(end.flipped);
+        end.time
     }
 
     #[test]

@@ -1,9 +1,12 @@
-//! Scenes that an adversary would choose: pendulums of all sizes, views at every depth, turned and
-//! stretched, on seams, equilibria, filaments, energy curves and grazes.
+//! Scenes that an adversary would choose: pendulums of all sizes, with friction or without, every
+//! question on every plane, views at every depth, turned and stretched, on seams, equilibria,
+//! filaments, energy curves and grazes.
 
-use crate::engine::{Engine, EngineError, IntegratorConfig};
-use crate::physics::{Angle, Dd, Rule, Scalar, Theta};
-use crate::scene::{Budget, Build, Kind, QuestionTable, Scene};
+use super::how::How;
+use crate::engine::{Engine, EngineError, EngineKind, IntegratorConfig};
+use crate::physics::{Angle, Decimal, Rule, Scalar, Theta};
+use crate::question::Ask;
+use crate::scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
 use crate::tiles::descent::{Descent, DescentStep};
 
 /// Generator of random scenes, the same ones for the same seed.
@@ -14,7 +17,7 @@ pub(super) struct Scenes {
 /// The kind of place at which a view is put.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Lure {
-    /// Any place on the torus.
+    /// Any place.
     Anywhere,
     /// A place where an angle is ±π.
     Seam,
@@ -26,7 +29,14 @@ pub(super) enum Lure {
     Filament,
     /// A place where the flip times of neighbours differ, however close they are.
     Edge,
+    /// A bob at the top, or beside it by far less than any rounding.
+    BesideTop,
 }
+
+/// Smallest distance from the top at which bobs are put, as a power of ten.
+const NEAREST_TOP: f64 = -50.0;
+/// Largest number of a flip that is asked for.
+const MOST_COUNT: u32 = 50;
 
 impl Scenes {
     /// The generator for a seed.
@@ -57,10 +67,81 @@ impl Scenes {
             1 => Self::round(self.magnitude(-2.0, 3.0), 3),
             _ => 1024.0,
         };
-        if self.random.u8(0..3) == 0 {
-            return Build { kind, ..Build::default() };
+        let build = match self.random.u8(0..3) {
+            0 => Build { kind, ..Build::default() },
+            _ => Build::new(kind, [m1, m2], [l1, l2], gravity),
+        };
+        Build { friction: self.friction(), ..build }
+    }
+
+    /// Friction at both pivots, at one of them, or, most often, at none.
+    fn friction(&mut self) -> [Decimal; 2] {
+        if self.random.u8(0..10) < 7 {
+            return [0.0.into(); 2];
         }
-        Build::new(kind, [m1, m2], [l1, l2], gravity)
+        let both = [0, 1].map(|_| Self::round(self.magnitude(-6.0, 3.0), 3));
+        match self.random.u8(0..3) {
+            0 => both,
+            1 => [both[0], 0.0],
+            _ => [0.0, both[1]],
+        }
+        .map(Decimal::from)
+    }
+
+    /// The question, of which most are first flips.
+    fn question(&mut self, secs: f64) -> QuestionTable {
+        let rule = self.random.choice(Rule::ALL.map(|(_, rule)| rule)).unwrap_or_default();
+        let plain = QuestionTable { budget: Budget::secs(secs), ..QuestionTable::default() };
+        match self.random.u8(0..10) {
+            0..5 => QuestionTable { rule, ..plain },
+            5 => QuestionTable { rule, count: self.random.u32(2..=MOST_COUNT), ..plain },
+            6 => QuestionTable { ask: Ask::First, ..plain },
+            7 => QuestionTable { ask: Ask::Flips, ..plain },
+            8 => QuestionTable { ask: Ask::State, ..plain },
+            _ => {
+                let ask = if self.random.bool() { Ask::Growth } else { Ask::Return };
+                // The referee follows nine orbits in many digits for growth.
+                QuestionTable { ask, budget: Budget::secs(secs.min(40.0)), ..plain }
+            }
+        }
+    }
+
+    /// The plane, which is most often that of both angles.
+    fn plane(&mut self, build: &Build) -> Plane {
+        if self.random.u8(0..10) < 6 {
+            return Plane::default();
+        }
+        if self.random.u8(0..4) == 0 {
+            return Plane {
+                kind: PlaneKind::Section,
+                energy: self.energy(build),
+                ..Plane::default()
+            };
+        }
+        let mut axes = Axis::OF_STARTS;
+        self.random.shuffle(&mut axes);
+        let speed = 4.0 / build.unit_secs();
+        let origin = [0, 1, 2, 3].map(|place| match (place < 2, self.random.u8(0..4)) {
+            (_, 0) => "0".to_string(),
+            (true, _) => Self::round(self.angle(), 6).to_string(),
+            (false, _) => Self::round(speed * (self.random.f64() - 0.5), 4).to_string(),
+        });
+        Plane { kind: PlaneKind::Axes([axes[0], axes[1]]), origin, energy: 0.0 }
+    }
+
+    /// An energy of a section: at or beside one at which a bob just reaches the top, or any.
+    fn energy(&mut self, build: &Build) -> f64 {
+        let pendulum = build.pendulum();
+        let (p, q) = (pendulum.p, pendulum.q);
+        let critical = self.random.choice([q - p, p - q, p + q]).unwrap_or(p);
+        let beside = self.magnitude(-16.0, -1.0);
+        match self.random.u8(0..4) {
+            0 => critical,
+            1 => critical * (1.0 + beside),
+            2 => critical * (1.0 - beside),
+            _ => Self::round((3.0 * self.random.f64() - 0.9) * (p + q), 5),
+        }
+        .max(-0.999 * (p + q))
     }
 
     /// The next scene and its lure; `engine` finds filaments and edges.
@@ -71,23 +152,12 @@ impl Scenes {
         go_on: &dyn Fn() -> bool,
     ) -> Result<(Scene, Lure), EngineError> {
         let build = self.build();
-        let rule = self.random.choice(Rule::ALL.map(|(_, rule)| rule)).unwrap_or_default();
         let units = self.magnitude(0.0, 300f64.log10());
         let secs = Self::round(units * build.unit_secs(), 3).clamp(1e-9, 1e6);
-        let question =
-            QuestionTable { rule, budget: Budget::secs(secs), ..QuestionTable::default() };
-        let lures = [
-            Lure::Anywhere,
-            Lure::Anywhere,
-            Lure::Seam,
-            Lure::Equilibrium,
-            Lure::EnergyCurve,
-            Lure::Filament,
-            Lure::Filament,
-            Lure::Edge,
-        ];
-        let lure = self.random.choice(lures).unwrap_or(Lure::Anywhere);
-        let mut scene = Scene { build, question, ..Scene::default() };
+        let question = self.question(secs);
+        let plane = self.plane(&build);
+        let mut scene = Scene { build, question, plane, ..Scene::default() };
+        let lure = self.lure(&scene);
         self.look(&mut scene, lure);
         // A descent and an edge are followed upright.
         let looks = (scene.view.rotate, scene.view.stretch);
@@ -100,10 +170,34 @@ impl Scenes {
         Ok((scene, lure))
     }
 
+    /// A kind of place that a scene has.
+    fn lure(&mut self, scene: &Scene) -> Lure {
+        let anywhere = [Lure::Anywhere, Lure::BesideTop, Lure::BesideTop];
+        let of_flips = [Lure::Edge, Lure::Edge];
+        let at_rest = [Lure::Seam, Lure::Equilibrium, Lure::EnergyCurve];
+        let filaments = [Lure::Filament, Lure::Filament];
+        let mut all = anywhere.to_vec();
+        if scene.question.ask == Ask::Flip && scene.question.count == 1 {
+            all.extend(of_flips);
+        }
+        if scene.plane.is_at_rest() {
+            all.extend(at_rest);
+        }
+        if scene.is_flip_from_rest() {
+            all.extend(filaments);
+        }
+        self.random.choice(all).unwrap_or(Lure::Anywhere)
+    }
+
+    /// A way to compute the next window.
+    pub(super) fn how(&mut self, kind: Option<EngineKind>) -> How {
+        How::draw(&mut self.random, kind)
+    }
+
     /// Puts the view at a place of the lure's kind, with a random width, rotation and stretch.
     fn look(&mut self, scene: &mut Scene, lure: Lure) {
         let pi = Theta::pi();
-        let mut center = [0, 1].map(|_| Theta::from_f64(Self::round(self.angle(), 6)));
+        let mut center = self.anywhere(scene);
         let mut width = match self.random.u8(0..3) {
             0 => self.magnitude(-3.0, 1.0),
             1 => self.magnitude(-12.0, -3.0),
@@ -123,15 +217,54 @@ impl Scenes {
             }
             Lure::EnergyCurve => self.on_curve(scene, &mut center),
             Lure::Filament | Lure::Edge => width = self.magnitude(-2.0, 0.8),
+            Lure::BesideTop => self.beside_top(scene, &mut center),
         }
-        let digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
-        scene.view.center = center.map(|theta| theta.decimal(digits));
+        let mut digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
+        if lure == Lure::BesideTop {
+            digits = digits.max(60);
+        }
+        scene.view.center = center.map(|x| x.decimal(digits));
         scene.view.width = format!("{width:.2e}");
         if self.random.u8(0..3) == 0 {
             scene.view.rotate = f64::from(self.random.i16(-180..180));
         }
         if self.random.u8(0..4) == 0 {
             scene.view.stretch = Self::round(self.magnitude(-6.0, 6.0), 2);
+        }
+    }
+
+    /// Any place of a plane, in the units of its axes.
+    fn anywhere(&mut self, scene: &Scene) -> [Theta; 2] {
+        let unit_secs = scene.build.unit_secs();
+        let pendulum = scene.build.pendulum();
+        scene.plane.axes().map(|axis| {
+            let share = 2.0 * self.random.f64() - 1.0;
+            let value = match axis {
+                Axis::Theta1 | Axis::Theta2 => self.angle(),
+                Axis::Omega1 | Axis::Omega2 => 6.0 * share / unit_secs,
+                Axis::Momentum2 => {
+                    let kinetic = scene.plane.energy + pendulum.p + pendulum.q;
+                    share * (2.0 * pendulum.b * kinetic.max(0.0)).sqrt()
+                }
+            };
+            Theta::from_f64(Self::round(value, 6))
+        })
+    }
+
+    /// Puts a bob at the top or beside it, by the view's centre or by the plane's origin.
+    fn beside_top(&mut self, scene: &mut Scene, center: &mut [Theta; 2]) {
+        let far = Theta::parse(&format!("{:e}", self.magnitude(NEAREST_TOP, -1.0)));
+        let far = far.unwrap_or(Theta::ZERO);
+        let off = self.random.choice([Theta::ZERO, far, -far]).unwrap_or_default();
+        let top = (Theta::pi() + off).wrapped();
+        let axis = self.random.choice([Axis::Theta1, Axis::Theta2]).unwrap_or(Axis::Theta2);
+        match scene.plane.axes().iter().position(|other| *other == axis) {
+            Some(place) => center[place] = top,
+            None if scene.plane.kind == PlaneKind::Section => center[0] = top,
+            None => {
+                let place = usize::from(axis == Axis::Theta2);
+                scene.plane.origin[place] = top.decimal(100);
+            }
         }
     }
 
@@ -214,18 +347,4 @@ impl Scenes {
     pub(super) fn seed(&mut self) -> u64 {
         self.random.u64(..)
     }
-}
-
-/// The start of a pixel, from the scene's decimals: no code is shared with how pictures compute it.
-pub(super) fn start(scene: &Scene, side: u32, [column, row]: [u32; 2]) -> [Theta; 2] {
-    let pixel = Theta::parse(&scene.view.width).unwrap_or_default() / Theta::from_f64(side.into());
-    let half = f64::from(side) / 2.0;
-    let across = pixel * Theta::from_f64(f64::from(column) + 0.5 - half);
-    let above = pixel * Theta::from_f64(half - f64::from(row) - 0.5);
-    let above = above / Theta::from_f64(scene.view.stretch);
-    let turn = Dd::new(scene.view.rotate) * Dd::PI / Dd::new(180.0);
-    let (sin, cos) = turn.sin_cos();
-    let [sin, cos] = [sin, cos].map(Theta::from_dd);
-    let center = scene.view.center_rad();
-    [center[0] + across * cos - above * sin, center[1] + across * sin + above * cos]
 }

@@ -1,0 +1,234 @@
+//! True answers of pixels by the referee, in as many digits as it takes until two of them agree, and the
+//! verdict on a given answer.
+
+use super::referee::{MotionEnd, Referee};
+use super::start::start;
+use crate::engine::{End, Ends, Question};
+use crate::physics::opening::from_top;
+use crate::physics::phase::Phase;
+use crate::physics::{
+    Accumulators, Angle, Dd, Fixed, Outcome, Pendulum, Rule, Scalar, State, Status, Theta, oracle,
+    tangents,
+};
+use crate::question::{Ask, MOST_CHANNELS};
+use crate::scene::{PlaneKind, Scene};
+use crate::tiles::reader::Reader;
+
+/// Function that returns true when the referee should give up.
+pub(super) type GiveUp<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// An answer: a status, and the values of the question's channels.
+pub(super) type Answer = (Status, [f64; MOST_CHANNELS]);
+
+/// The referee's verdict on an answer.
+pub(super) enum RefereeVerdict {
+    Right,
+    Wrong(Answer),
+    Untold,
+}
+
+/// A scene whose pixels are judged.
+pub(super) struct Judged<'a> {
+    scene: &'a Scene,
+    question: Question,
+    reader: Reader,
+    side: u32,
+    /// True if f64 cannot distinguish the pixels well enough to judge them.
+    pub deep: bool,
+}
+
+/// The digits of an integration: columns of the extrapolation, and error allowed in a step.
+type Digits = (usize, f64);
+
+/// Distance from the top in rad below which only long numbers tell a bob's side.
+const BESIDE_TOP: f64 = 1e-20;
+/// Decades by which neighbours move apart per unit of time, at most.
+const DECADES_A_UNIT: f64 = 0.16;
+
+impl<'a> Judged<'a> {
+    /// A checked scene, in windows of `side` × `side` pixels.
+    pub(super) fn new(scene: &'a Scene, side: u32) -> Self {
+        let question = Question::from(scene);
+        let reader = Reader::new(scene.question.ask, &question);
+        let width = scene.view.width_rad().to_f64() / scene.view.stretch.max(1.0);
+        Judged { scene, question, reader, side, deep: width < 1e-9 }
+    }
+
+    /// Judges the answer of a pixel.
+    pub(super) fn verdict(
+        &self,
+        pixel: [u32; 2],
+        given: &Answer,
+        give_up: GiveUp,
+    ) -> RefereeVerdict {
+        let Some(start) = start(self.scene, self.side, pixel) else {
+            return match given.0 {
+                Status::Forbidden => RefereeVerdict::Right,
+                _ => RefereeVerdict::Wrong((Status::Forbidden, [0.0; MOST_CHANNELS])),
+            };
+        };
+        let judge = |truth: Option<Answer>, other: Option<Answer>| match (truth, other) {
+            (Some(truth), Some(other)) if self.is_same(&truth, &other, 0.01) => {
+                let right = self.is_same(given, &truth, 1.0);
+                Some(if right { RefereeVerdict::Right } else { RefereeVerdict::Wrong(truth) })
+            }
+            _ => None,
+        };
+        let nearest = start.angle.map(|angle| from_top(angle).to_f64().abs());
+        let is_lost = nearest.iter().any(|&by| by > 0.0 && by < BESIDE_TOP);
+        if !self.deep && !is_lost {
+            // Far fewer digits than the truth has, but a wrong answer is not confirmed by accident.
+            let agrees =
+                |truth: Option<Answer>| truth.is_some_and(|truth| self.is_same(given, &truth, 0.2));
+            if self.reader.ends() != Ends::Growth
+                && (agrees(self.truth::<f64>(&start, (8, 5e-14), give_up))
+                    || agrees(self.truth::<Dd>(&start, (11, 1e-27), give_up)))
+            {
+                return RefereeVerdict::Right;
+            }
+            let short = self.truth::<Fixed<3>>(&start, (13, 1e-33), give_up);
+            let long = self.truth::<Fixed<4>>(&start, (16, 1e-50), give_up);
+            if let Some(verdict) = judge(long, short) {
+                return verdict;
+            }
+        }
+        let long = self.truth::<Fixed<6>>(&start, (22, 1e-85), give_up);
+        let longest = self.truth::<Fixed<8>>(&start, (28, 1e-120), give_up);
+        judge(longest, long).unwrap_or(RefereeVerdict::Untold)
+    }
+
+    /// Returns true if two answers agree within `share` of what is right.
+    fn is_same(&self, a: &Answer, b: &Answer, share: f64) -> bool {
+        let kind = self.scene.question.ask.kind();
+        // The nearest return may be one of two that are as near.
+        let count = if self.scene.question.ask == Ask::Return { 1 } else { kind.channels.len() };
+        let unit_secs = self.scene.build.unit_secs();
+        let mut channels = kind.channels[..count].iter().zip(a.1.iter().zip(b.1));
+        a.0 == b.0
+            && (a.0 != Status::Flipped
+                || channels.all(|(channel, (a, b))| channel.is_right(*a, b, share, unit_secs)))
+    }
+
+    /// The answer to a start in a number type's digits, or `None` if it cannot be decided in them.
+    fn truth<T: Scalar + Angle>(
+        &self,
+        start: &State<Theta>,
+        digits: Digits,
+        give_up: GiveUp,
+    ) -> Option<Answer> {
+        if self.is_forbidden(start) {
+            return Some((Status::Forbidden, [0.0; MOST_CHANNELS]));
+        }
+        let at_rest = start.speed == [Theta::ZERO; 2];
+        if at_rest && oracle::is_balanced(start.angle) && self.question.rule != Rule::Neither {
+            let end = End { time: 0.0, ..End::NOWHERE };
+            return Some(self.reader.read(&Outcome::without_time(Status::Unflipped), &end));
+        }
+        let (exact, unit_secs) = self.scene.build.reduced_in::<Theta>();
+        let pendulum = exact.map(T::from_theta);
+        let phase = phase_of(&exact, start, unit_secs).map(T::from_theta);
+        let bobs = match self.question.rule {
+            Rule::Neither => Rule::Either.watched(),
+            rule => rule.watched(),
+        };
+        let passes =
+            if self.question.rule == Rule::Neither { u32::MAX } else { self.question.passes };
+        let budget = Theta::from_f64(self.question.budget_secs) / unit_secs;
+        let referee = Referee {
+            pendulum,
+            bobs,
+            passes,
+            budget: T::from_theta(budget),
+            columns: digits.0,
+            tolerance: digits.1,
+            give_up,
+        };
+        let end = referee.end(&phase)?;
+        let log_growth = match self.reader.ends() {
+            Ends::Growth => self.log_growth(&referee, start, &end)?,
+            _ => 0.0,
+        };
+        Some(self.answer(&end, log_growth, unit_secs.to_f64()))
+    }
+
+    fn answer<T: Scalar>(&self, end: &MotionEnd<T>, log_growth: f64, unit_secs: f64) -> Answer {
+        let [first_left, first_right, second_left, second_right] = end.passes.map(i64::from);
+        let turns = [first_left - first_right, second_left - second_right].map(|by| by as i32);
+        let gathered = Accumulators { turns, passes: end.passes, nearest: end.nearest, log_growth };
+        let time = end.time.to_f64();
+        let outcome = match end.flipped {
+            true => Outcome::flipped(time * unit_secs),
+            false => Outcome::without_time(Status::Unflipped),
+        };
+        let end = End { time, phase: end.phase.map(T::to_f64), gathered, ..End::NOWHERE };
+        self.reader.read(&outcome, &end)
+    }
+
+    fn is_forbidden(&self, start: &State<Theta>) -> bool {
+        let rule = self.question.rule;
+        let pendulum = self.scene.build.pendulum_in::<Theta>();
+        let energy = match self.scene.plane.kind {
+            PlaneKind::Section => Theta::from_f64(self.scene.plane.energy),
+            PlaneKind::Axes(_) => pendulum.energy(start),
+        };
+        rule != Rule::Neither && pendulum.forbids_depth(rule, -energy)
+    }
+
+    /// Natural logarithm of the growth of the largest of all nudges, by motions that begin beside this
+    /// one; `None` if they cannot be followed in these digits.
+    fn log_growth<T: Scalar + Angle>(
+        &self,
+        referee: &Referee<T>,
+        start: &State<Theta>,
+        end: &MotionEnd<T>,
+    ) -> Option<f64> {
+        let (exact, unit_secs) = self.scene.build.reduced_in::<Theta>();
+        let units = self.question.budget_secs / unit_secs.to_f64();
+        let exponent = (DECADES_A_UNIT * units).ceil() + 8.0;
+        if 10f64.powf(-exponent) < 1e4 * referee.tolerance {
+            return None;
+        }
+        let by = Theta::parse(&format!("1e-{exponent}"))?;
+        let plain = Referee { bobs: &[], give_up: referee.give_up, ..*referee };
+        let column = |k: usize| {
+            let mut moved = *start;
+            match k {
+                0 | 1 => moved.angle[k] = moved.angle[k] + by,
+                _ => moved.speed[k - 2] = moved.speed[k - 2] + by / unit_secs,
+            }
+            let phase = phase_of(&exact, &moved, unit_secs).map(T::from_theta);
+            let moved = plain.end(&phase)?.phase;
+            Some(difference(&referee.pendulum, &end.phase, &moved, T::from_theta(by)))
+        };
+        let columns = [column(0)?, column(1)?, column(2)?, column(3)?];
+        Some(tangents::largest_singular_value(columns).ln())
+    }
+}
+
+/// The differences of two near states in both angles and both reduced speeds, over `by`.
+fn difference<T: Scalar>(
+    pendulum: &Pendulum<T>,
+    from: &Phase<T>,
+    to: &Phase<T>,
+    by: T,
+) -> [f64; 4] {
+    let turned = |bob: usize| {
+        let (x, y) = (2 * bob, 2 * bob + 1);
+        from[x] * to[y] - from[y] * to[x]
+    };
+    let (before, after) = (pendulum.speeds(from), pendulum.speeds(to));
+    [turned(0), turned(1), after[0] - before[0], after[1] - before[1]].map(|d| (d / by).to_f64())
+}
+
+/// Unit vectors and momenta of a start, reduced. Beside the top, the distance from there has more digits
+/// than the angle.
+fn phase_of(pendulum: &Pendulum<Theta>, start: &State<Theta>, unit_secs: Theta) -> Phase<Theta> {
+    let vectors = start.angle.map(|angle| {
+        let (sin, cos) = from_top(angle).sin_cos();
+        [-cos, -sin]
+    });
+    let [[x1, y1], [x2, y2]] = vectors;
+    let [w1, w2] = start.speed.map(|speed| speed * unit_secs);
+    let coupling = pendulum.c * (x1 * x2 + y1 * y2);
+    [x1, y1, x2, y2, pendulum.a * w1 + coupling * w2, coupling * w1 + pendulum.b * w2]
+}

@@ -1,0 +1,110 @@
+//! The ways in which a hunt computes its windows: both engines, every method and precision that is
+//! checked, and cells wherever they can be followed.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
+use crate::engine::{Accuracy, Cells, Ends, EngineKind, IntegratorConfig, Method, Precision};
+use crate::tiles::Renderer;
+
+/// A way to compute a window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct How {
+    pub kind: EngineKind,
+    /// The configuration whose answers are checked; none for that of `exact`.
+    pub config: Option<IntegratorConfig>,
+    pub cells: Cells,
+}
+
+/// The configurations that can be checked, beside that of `exact`.
+const CONFIGS: [(Method, Precision); 8] = [
+    (Method::LESSON, Precision::F32),
+    (Method::LESSON, Precision::F64),
+    (Method::Dopri5 { tolerance: 5e-8 }, Precision::F32),
+    (Method::Dopri5 { tolerance: 1e-9 }, Precision::F64),
+    (Method::Dop853 { tolerance: 5e-8 }, Precision::F32),
+    (Method::Dop853 { tolerance: 1e-11 }, Precision::F64),
+    (Method::Taylor { tolerance: 1e-15 }, Precision::F64),
+    (Method::Taylor { tolerance: 1e-25 }, Precision::Dd),
+];
+
+impl How {
+    /// Draws a way. Half of all windows are computed as by default.
+    pub(super) fn draw(random: &mut fastrand::Rng, kind: Option<EngineKind>) -> Self {
+        let any = if random.u8(0..4) == 0 { EngineKind::Gpu } else { EngineKind::Cpu };
+        let (method, precision) = CONFIGS[random.usize(0..CONFIGS.len())];
+        let config = (random.u8(0..4) == 0).then_some(IntegratorConfig { method, precision });
+        let cells = match random.u8(0..6) {
+            0 => Cells::Always,
+            1 => Cells::Never,
+            _ => Cells::Auto,
+        };
+        How { kind: kind.unwrap_or(any), config, cells }
+    }
+
+    /// The options that select it.
+    pub(super) fn options(&self) -> String {
+        let engine = format!("--engine {} --cells {}", self.kind, self.cells);
+        let Some(IntegratorConfig { method, precision }) = self.config else {
+            return format!("--accuracy exact {engine}");
+        };
+        let setting = match method {
+            Method::Rk4 { .. } => "--step 1/120".to_string(),
+            _ => format!("--tolerance {:e}", method.tolerance().unwrap_or_default()),
+        };
+        let name = method.name();
+        format!("--verify --method {name} --precision {precision} {setting} {engine}")
+    }
+}
+
+/// The renderers of a hunt, each made when it is first needed.
+pub(super) struct Renderers {
+    request: EngineRequest,
+    made: HashMap<String, Option<Renderer>>,
+}
+
+impl Renderers {
+    /// Renderers for a user's request.
+    pub(super) fn new(request: &EngineRequest) -> Self {
+        Renderers { request: request.clone(), made: HashMap::new() }
+    }
+
+    /// The renderer that computes a way and returns such ends; none where this machine has no engine
+    /// that does.
+    pub(super) fn of(
+        &mut self,
+        how: &How,
+        ends: Ends,
+    ) -> Result<Option<&mut Renderer>, ChoiceError> {
+        let setting = match how.config {
+            Some(config) => IntegrationSetting::Explicit(config),
+            None => IntegrationSetting::Accuracy(Accuracy::Exact),
+        };
+        let request = EngineRequest {
+            kind: Some(how.kind),
+            setting,
+            ends,
+            verify: true,
+            ..self.request.clone()
+        };
+        let renderer = match self.made.entry(format!("{:?} {setting:?} {ends:?}", how.kind)) {
+            Entry::Occupied(made) => made.into_mut(),
+            Entry::Vacant(place) => place.insert(made(&request)?),
+        };
+        Ok(renderer.as_mut())
+    }
+}
+
+fn made(request: &EngineRequest) -> Result<Option<Renderer>, ChoiceError> {
+    let is_refused = |config: &IntegratorConfig| request.ends.check(config).is_err();
+    match choose(request, &|_| {}) {
+        Ok(Chosen { config, .. }) if is_refused(&config) => Ok(None),
+        Ok(Chosen { engine, config, .. }) => {
+            Ok(Some(Renderer::of(engine, config, true, request.threads)?))
+        }
+        // No adapter, or none that is trusted with it.
+        Err(ChoiceError::NoAdapter(_) | ChoiceError::Engine(_)) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
