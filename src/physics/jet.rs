@@ -55,6 +55,13 @@ impl Jet {
         self
     }
 
+    /// The polynomial with its slope along the first coordinate multiplied by `by`.
+    #[cfg(test)]
+    pub(crate) fn with_larger_slope(mut self, by: f64) -> Self {
+        self.c[1] *= by;
+        self
+    }
+
     /// A bound on the distance from its value in the middle, anywhere in the cell.
     pub fn spread(&self) -> f64 {
         self.c[1..].iter().map(|c| c.abs()).sum()

@@ -95,3 +95,96 @@ fn random_pixels(scene: &Scene, size: [u32; 2]) -> Vec<[u32; 2]> {
     let mut random = fastrand::Rng::with_seed(seed);
     (0..CANDIDATES).map(|_| size.map(|side| random.u32(0..side))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::outlook::outlook;
+    use super::*;
+    use crate::engine::cpu::CpuEngine;
+    use crate::engine::depth::DepthEngine;
+    use crate::engine::depth::sabotage::Sabotage;
+    use crate::engine::level::BALANCED;
+    use crate::question::Ask;
+    use crate::scene::{Budget, QuestionTable, View};
+
+    const SIZE: [u32; 2] = [32, 32];
+
+    fn scene(center: [&str; 2], width: &str, ask: Ask, secs: f64) -> Scene {
+        let view =
+            View { center: center.map(str::to_string), width: width.into(), ..View::default() };
+        let question =
+            QuestionTable { ask, budget: Budget::secs(secs), ..QuestionTable::default() };
+        Scene { view, question, ..Scene::default() }.checked().unwrap()
+    }
+
+    /// A view deep enough for neighbours to move far apart.
+    fn deep(ask: Ask, secs: f64) -> Scene {
+        let center = ["-1.65907312822246439054652000777423381805419921875", "0.1"];
+        scene(center, "1e-9", ask, secs)
+    }
+
+    /// A view whose starts pass the top a little after their first moments.
+    fn near_the_top() -> Scene {
+        scene(["0.62", "-3.1365"], "1e-9", Ask::Flip, 20.0)
+    }
+
+    fn engine(sabotage: Option<Sabotage>) -> DepthEngine<'static> {
+        let engine = DepthEngine::new(Box::new(CpuEngine::new(Some(2)).unwrap()), Some(2)).unwrap();
+        match sabotage {
+            Some(sabotage) => engine.sabotaged(sabotage),
+            None => engine,
+        }
+    }
+
+    fn opinion_on(scene: &Scene, sabotage: Option<Sabotage>) -> Opinion {
+        let mut engine = TrustEngine::new(Box::new(engine(sabotage)), Some(2)).unwrap();
+        let how = (BALANCED, Cells::Auto);
+        opinion(scene, SIZE, how, &mut engine, &|| true).unwrap().expect("deep")
+    }
+
+    fn estimate(scene: &Scene, sabotage: Option<Sabotage>) -> crate::engine::trust::Outlook {
+        let how = (BALANCED, Cells::Auto);
+        outlook(scene, SIZE, how, &mut engine(sabotage), &|| true).unwrap().unwrap()
+    }
+
+    const MISTAKES: [Sabotage; 2] = [Sabotage::Coefficient, Sabotage::WideLeaf];
+
+    #[test]
+    fn wrong_start_maps_are_contradicted_and_right_ones_are_not() {
+        let flips = deep(Ask::Flip, 40.0);
+        let all = MISTAKES.map(|mistake| (&flips, mistake));
+        let top = near_the_top();
+        for (scene, mistake) in all.into_iter().chain([(&top, Sabotage::BlindOpening)]) {
+            let right = opinion_on(scene, None);
+            assert!(right.asked == 8 && right.contradicted == 0, "{mistake:?}: {right:?}");
+            assert_eq!(right.warning(), None);
+            let wrong = opinion_on(scene, Some(mistake));
+            assert!(wrong.contradicted > 0, "{mistake:?}: {wrong:?}");
+            assert!(wrong.warning().unwrap().contains("contradict"));
+        }
+    }
+
+    #[test]
+    fn the_estimate_of_unchecked_pictures_contradicts_wrong_start_maps() {
+        let flips = deep(Ask::Flip, 40.0);
+        let all = MISTAKES.map(|mistake| (&flips, mistake));
+        let top = near_the_top();
+        for (scene, mistake) in all.into_iter().chain([(&top, Sabotage::BlindOpening)]) {
+            let right = estimate(scene, None);
+            assert!(right.opinion.asked == 2 && right.expected_right() > 0.99, "{right:?}");
+            let wrong = estimate(scene, Some(mistake));
+            assert!(wrong.expected_right() < 0.99, "{mistake:?}: {wrong:?}");
+            assert!(wrong.warning().is_some());
+        }
+    }
+
+    #[test]
+    fn every_question_of_deep_views_can_be_contradicted() {
+        for (ask, secs) in [(Ask::First, 40.0), (Ask::State, 30.0), (Ask::Growth, 25.0)] {
+            let scene = deep(ask, secs);
+            assert_eq!(opinion_on(&scene, None).contradicted, 0, "{ask}");
+            let wrong = opinion_on(&scene, Some(Sabotage::WideLeaf));
+            assert!(wrong.contradicted > 0, "{ask}: {wrong:?}");
+        }
+    }
+}

@@ -108,7 +108,7 @@ impl DomainSplitting {
         let phase = exact.phase(&start);
         let [x1, y1, x2, y2, p1, p2] = phase.map(Theta::to_f64);
         let patch = if self.plane.is_at_rest() {
-            FlowPatch::release(&self.dynamics, [(y1, x1), (y2, x2)], side_rad(cell.level + 1))
+            self.released_from_rest([(y1, x1), (y2, x2)], cell.level)
         } else {
             let unit_secs = Jet::constant(self.build.unit_secs());
             let [by1, by2, faster1, faster2] = by;
@@ -117,9 +117,24 @@ impl DomainSplitting {
         };
         let patch = if self.nudges { patch.with_nudges() } else { patch };
         // Beyond the edge of the forbidden region, in reduced units.
-        let beyond = -exact.energy_of(&phase) - exact.least_depth(self.rule);
-        let edge = (-patch.energy(&self.dynamics)).with_middle(beyond.to_f64());
+        let edge = match self.plane.forbids_section(self.rule) {
+            // All starts of a section share their energy.
+            Some(forbids) => Jet::constant(if forbids { 1.0 } else { -1.0 }),
+            None => {
+                let beyond = -exact.energy_of(&phase) - exact.least_depth(self.rule);
+                (-patch.energy(&self.dynamics)).with_middle(beyond.to_f64())
+            }
+        };
         SplitNode { patch, edge: Some(edge) }
+    }
+
+    /// A cell of a level released from rest around the angles with these sines and cosines.
+    fn released_from_rest(&self, sin_cos: [(f64, f64); 2], level: u32) -> FlowPatch {
+        #[cfg(test)]
+        if let Some(sabotage) = self.sabotage {
+            return sabotage.released(&self.dynamics, sin_cos, level);
+        }
+        FlowPatch::release(&self.dynamics, sin_cos, side_rad(level + 1))
     }
 
     /// Follows an anchor up to the requested budget. Returns its end there, or `Some(None)` where

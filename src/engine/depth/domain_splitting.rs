@@ -74,6 +74,9 @@ pub(super) struct DomainSplitting {
     /// True if the growth of nudges is followed.
     pub nudges: bool,
     pub anchors: Mutex<HashMap<Cell, Arc<Mutex<Anchor>>>>,
+    /// A mistake that a test makes.
+    #[cfg(test)]
+    pub sabotage: Option<super::sabotage::Sabotage>,
     finished: Mutex<HashMap<PartKey, Arc<FinishedPatch>>>,
 }
 
@@ -112,8 +115,17 @@ impl DomainSplitting {
             }),
             nudges,
             anchors: Mutex::default(),
+            #[cfg(test)]
+            sabotage: None,
             finished: Mutex::default(),
         }
+    }
+
+    /// The same with a mistake.
+    #[cfg(test)]
+    pub(super) fn sabotaged(mut self, sabotage: Option<super::sabotage::Sabotage>) -> Self {
+        self.sabotage = sabotage;
+        self
     }
 
     pub(super) fn is_of(&self, question: &Question, deep: &Deep, nudges: bool) -> bool {

@@ -49,6 +49,7 @@ pub(super) struct Awaited {
 /// asks for their growth; creates it if there is none yet.
 pub(super) fn splitting_of(
     splittings: &Splittings,
+    #[cfg(test)] sabotage: Option<super::sabotage::Sabotage>,
     question: &Question,
     deep: &Deep,
     nudges: bool,
@@ -61,7 +62,10 @@ pub(super) fn splitting_of(
     if splittings.len() == MOST_SPLITTINGS {
         splittings.remove(0);
     }
-    splittings.push(Arc::new(DomainSplitting::new(question, deep, nudges)));
+    let splitting = DomainSplitting::new(question, deep, nudges);
+    #[cfg(test)]
+    let splitting = splitting.sabotaged(sabotage);
+    splittings.push(Arc::new(splitting));
     splittings[splittings.len() - 1].clone()
 }
 

@@ -41,6 +41,8 @@ mod line_check;
 mod line_interval;
 mod lines;
 mod part;
+#[cfg(test)]
+pub(crate) mod sabotage;
 mod stats;
 mod takeoff;
 
@@ -79,6 +81,9 @@ pub struct DepthEngine<'a> {
     samples: Vec<LineSamples>,
     /// True if samples of lines may answer starts.
     lines: bool,
+    /// A mistake that a test makes.
+    #[cfg(test)]
+    sabotage: Option<sabotage::Sabotage>,
     cancelled: Arc<AtomicBool>,
     told: Following,
     sender: Sender<Awaited>,
@@ -112,6 +117,8 @@ impl<'a> DepthEngine<'a> {
             following: 0,
             samples: Vec::new(),
             lines: true,
+            #[cfg(test)]
+            sabotage: None,
             cancelled: Arc::default(),
             told: Following::default(),
             sender,
@@ -131,10 +138,24 @@ impl<'a> DepthEngine<'a> {
         self
     }
 
+    /// Makes all start maps of the engine wrong.
+    #[cfg(test)]
+    pub(crate) fn sabotaged(mut self, sabotage: sabotage::Sabotage) -> Self {
+        self.sabotage = Some(sabotage);
+        self
+    }
+
     fn follow(&mut self, job: Job) {
         let Starts::Deep(deep) = &job.starts else { return };
         let nudges = job.keep.ends == Ends::Growth;
-        let splitting = splitting_of(&self.splittings, &job.question, deep, nudges);
+        let splitting = splitting_of(
+            &self.splittings,
+            #[cfg(test)]
+            self.sabotage,
+            &job.question,
+            deep,
+            nudges,
+        );
         let (sender, cancelled) = (self.sender.clone(), self.cancelled.clone());
         let (lines, told) = (self.lines, self.told.clone());
         self.deep.insert(job.id, None);

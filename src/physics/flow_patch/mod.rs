@@ -229,6 +229,12 @@ impl FlowPatch {
         FlowPatch::begun(dynamics, [x1, y1, x2, y2, momenta[0], momenta[1]])
     }
 
+    /// The same patch with an opening of another length.
+    #[cfg(test)]
+    pub(crate) fn with_opening(self, opening: f64) -> Self {
+        FlowPatch { opening, ..self }
+    }
+
     /// A cell whose starts no polynomials describe.
     pub fn undescribed(dynamics: &Dynamics) -> Self {
         FlowPatch::begun(dynamics, [Jet::constant(f64::NAN); 6])
