@@ -199,12 +199,12 @@ impl Opening {
         let is_even = release.is_at_rest() && pendulum.friction.is_none();
         let fastest = release.speed.iter().fold(0.0, |most: f64, w| most.max(w.to_f64().abs()));
         let mut course = Course { passes: Vec::new(), sides: [None; 2] };
-        for bob in 0..2 {
+        for (bob, series) in series.iter().enumerate() {
             let near = self.rates.near_rad(release.speed[bob].to_f64().abs(), fastest, length);
             // Fixed-point numbers have the same error whatever their size.
             let size = if T::FLOATING { near } else { near.max(1.0) };
             let doubt = T::from_f64(ROUNDINGS * T::EPSILON * size);
-            let mut way = series[bob];
+            let mut way = *series;
             if way[0] == T::zero() {
                 let leading = leading(&way, is_even, doubt)?;
                 course.sides[bob] = side_at_top(leading.map(|k| way[k])).map(T::to_f64);

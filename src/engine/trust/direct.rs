@@ -108,7 +108,7 @@ impl<'a, const N: usize> Direct<'a, N> {
     /// The end of the motion at a reduced time.
     fn end(&self, time: Fixed<N>, ends: Ends) -> End {
         let state = self.state_at(&self.start, time);
-        let turns = state.angle.map(|angle| whole_turns(angle));
+        let turns = state.angle.map(whole_turns);
         let wrapped = State { angle: state.angle.map(Fixed::wrapped), ..state };
         let log_growth = if ends == Ends::Growth { self.log_growth(&state, time) } else { 0.0 };
         End {
