@@ -232,3 +232,40 @@ fn phase_of(pendulum: &Pendulum<Theta>, start: &State<Theta>, unit_secs: Theta) 
     let coupling = pendulum.c * (x1 * x2 + y1 * y2);
     [x1, y1, x2, y2, pendulum.a * w1 + coupling * w2, coupling * w1 + pendulum.b * w2]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Budget;
+
+    const SIDE: u32 = 4;
+
+    /// A scene around (−2, 3), 10⁻³ rad wide, with another question.
+    fn asked(ask: Ask) -> Scene {
+        let mut scene = Scene::default();
+        scene.view.center = ["-2".into(), "3".into()];
+        scene.view.width = "1e-3".into();
+        scene.question.ask = ask;
+        scene.question.budget = Budget::secs(2.0);
+        scene.checked().unwrap()
+    }
+
+    #[test]
+    fn every_channel_of_every_question_can_be_wrong() {
+        for ask in Ask::ALL {
+            let (kind, scene) = (ask.kind(), asked(ask));
+            let judged = Judged::new(&scene, SIDE);
+            let start = start(&scene, SIDE, [1, 2]).unwrap();
+            let truth = judged.truth::<Dd>(&start, (11, 1e-27), &|| false).unwrap();
+            assert_eq!(truth.0, Status::Flipped, "{}", kind.name);
+            assert!(judged.is_same(&truth, &truth, 1.0), "{}", kind.name);
+            assert!(!judged.is_same(&(Status::Unflipped, truth.1), &truth, 1.0), "{}", kind.name);
+            let count = if ask == Ask::Return { 1 } else { kind.channels.len() };
+            for (k, channel) in kind.channels[..count].iter().enumerate() {
+                let mut moved = truth;
+                moved.1[k] += 2.0 * channel.right * truth.1[k].abs().max(1.0) + 1e-3;
+                assert!(!judged.is_same(&moved, &truth, 1.0), "{}: {}", kind.name, channel.name);
+            }
+        }
+    }
+}

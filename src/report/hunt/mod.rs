@@ -31,9 +31,9 @@ use crate::tiles::{Samples, Work, check_feasible};
 
 /// Pixels along each side of a window.
 const SIDE: u32 = 32;
-/// Number of pixels of a deep window, or of one of growth, that are judged: each takes a long solution of
-/// its own.
-const DEEP_SAMPLE: usize = 16;
+/// Number of pixels that are judged of a deep window, or of one of growth, where each takes a long solution
+/// of its own; and of those that a window marks.
+const SAMPLE: usize = 16;
 
 /// Time limit for rendering a window; a slower one is skipped.
 const RENDER_PATIENCE: Duration = Duration::from_secs(60);
@@ -57,8 +57,8 @@ pub struct Hunt {
     pub simulated: usize,
     /// Number of pixels marked as uncertain.
     pub marked: usize,
-    /// Number of windows in which more than one simulated pixel in twenty was marked.
-    pub windows_mostly_marked: usize,
+    /// Windows in which more than one simulated pixel in twenty was marked.
+    pub doubtful: Vec<DoubtfulWindow>,
     /// Number of unmarked pixels that were judged.
     pub judged: usize,
     /// Number of judged pixels that the referee could not decide.
@@ -82,6 +82,24 @@ pub struct WrongPixel {
     pub truth: String,
     /// Trust reported with the answer.
     pub trust: Trust,
+}
+
+/// A window in which more than one simulated pixel in twenty was marked as uncertain. Where nearly all of
+/// its marked answers are right, the doubt was false.
+#[derive(Clone, Debug, Serialize)]
+pub struct DoubtfulWindow {
+    /// The command that renders the picture.
+    pub command: String,
+    /// The lure that the scene was drawn for.
+    pub lure: String,
+    /// Number of simulated pixels.
+    pub simulated: usize,
+    /// Number of marked pixels.
+    pub marked: usize,
+    /// Number of marked answers that were judged.
+    pub judged: usize,
+    /// Number of these that are right.
+    pub right: usize,
 }
 
 impl Hunt {
@@ -132,48 +150,59 @@ impl Hunt {
 
     /// Judges a window and adds the results, unless it is stopped midway.
     fn judge(&mut self, window: &Window, samples: &Samples, picks: u64, stop: StopTest) {
-        let all = 0..samples.len();
+        let jury = Jury { samples, judged: Judged::new(&window.scene, SIDE), stop };
         let is_simulated = |k: &usize| samples.get(*k).status != Status::Forbidden;
-        let marked = |k: &usize| samples.trust(*k) == Trust::Uncertain;
-        let simulated = all.clone().filter(is_simulated).count();
-        let count = all.clone().filter(marked).count();
-        let mut unmarked: Vec<usize> = all.filter(|k| !marked(k)).collect();
-        let judged = Judged::new(&window.scene, SIDE);
-        fastrand::Rng::with_seed(picks).shuffle(&mut unmarked);
-        if judged.deep || window.ends() == Ends::Growth {
-            unmarked.truncate(DEEP_SAMPLE);
+        let is_marked = |k: &usize| samples.trust(*k) == Trust::Uncertain;
+        let simulated = (0..samples.len()).filter(is_simulated).count();
+        let mut places: Vec<usize> = (0..samples.len()).collect();
+        fastrand::Rng::with_seed(picks).shuffle(&mut places);
+        let (marked, mut unmarked): (Vec<usize>, Vec<usize>) =
+            places.into_iter().partition(is_marked);
+        if jury.judged.deep || window.ends() == Ends::Growth {
+            unmarked.truncate(SAMPLE);
         }
-        let until = Instant::now() + WINDOW_PATIENCE;
-        let is_over = || stop() || Instant::now() > until;
-        let one = |k: usize| {
-            let begun = Instant::now();
-            let give_up = || is_over() || begun.elapsed() > PIXEL_PATIENCE;
-            (k, judged.verdict(pixel(k), &answer(samples, k), &give_up))
-        };
-        let verdicts: Vec<(usize, RefereeVerdict)> =
-            unmarked.into_par_iter().take_any_while(|_| !is_over()).map(one).collect();
+        let verdicts = jury.verdicts(&unmarked);
+        let is_doubtful = marked.len() * 20 > simulated;
+        let of_marked =
+            if is_doubtful { jury.verdicts(&marked[..marked.len().min(SAMPLE)]) } else { vec![] };
         if stop() {
             return;
         }
-        self.judged += verdicts.len();
         self.windows += 1;
         self.simulated += simulated;
-        self.marked += count;
-        self.windows_mostly_marked += usize::from(count * 20 > simulated);
+        self.marked += marked.len();
+        if is_doubtful {
+            self.doubtful.push(window.doubted(simulated, marked.len(), &of_marked));
+        }
+        self.judged += verdicts.len();
         for (k, verdict) in verdicts {
             match verdict {
                 RefereeVerdict::Right => {}
                 RefereeVerdict::Untold => self.untold += 1,
-                RefereeVerdict::Wrong(truth) => self.wrong.push(WrongPixel {
-                    command: window.command(),
-                    lure: window.lure.clone(),
-                    pixel: pixel(k),
-                    given: window.words(&answer(samples, k)),
-                    truth: window.words(&truth),
-                    trust: samples.trust(k),
-                }),
+                RefereeVerdict::Wrong(truth) => self.wrong.push(window.wrong(samples, k, &truth)),
             }
         }
+    }
+}
+
+/// The referee before the samples of a window.
+struct Jury<'a> {
+    samples: &'a Samples,
+    judged: Judged<'a>,
+    stop: StopTest<'a>,
+}
+
+impl Jury<'_> {
+    /// The verdicts on some samples, as many as are reached in time.
+    fn verdicts(&self, places: &[usize]) -> Vec<(usize, RefereeVerdict)> {
+        let until = Instant::now() + WINDOW_PATIENCE;
+        let is_over = || (self.stop)() || Instant::now() > until;
+        let one = |&k: &usize| {
+            let begun = Instant::now();
+            let give_up = || is_over() || begun.elapsed() > PIXEL_PATIENCE;
+            (k, self.judged.verdict(pixel(k), &answer(self.samples, k), &give_up))
+        };
+        places.par_iter().take_any_while(|_| !is_over()).map(one).collect()
     }
 }
 
@@ -233,6 +262,35 @@ impl Window {
             words.map(|(setting, word)| format!("--{setting}={}", word.text(scene))).collect();
         let (how, options) = (self.how.options(), options.join(" "));
         format!("flipmap render {how} --size {SIDE}x{SIDE} {options} -o hunted.png")
+    }
+
+    fn wrong(&self, samples: &Samples, k: usize, truth: &Answer) -> WrongPixel {
+        WrongPixel {
+            command: self.command(),
+            lure: self.lure.clone(),
+            pixel: pixel(k),
+            given: self.words(&answer(samples, k)),
+            truth: self.words(truth),
+            trust: samples.trust(k),
+        }
+    }
+
+    fn doubted(
+        &self,
+        simulated: usize,
+        marked: usize,
+        verdicts: &[(usize, RefereeVerdict)],
+    ) -> DoubtfulWindow {
+        let is_right =
+            |verdict: &&(usize, RefereeVerdict)| matches!(verdict.1, RefereeVerdict::Right);
+        DoubtfulWindow {
+            command: self.command(),
+            lure: self.lure.clone(),
+            simulated,
+            marked,
+            judged: verdicts.len(),
+            right: verdicts.iter().filter(is_right).count(),
+        }
     }
 
     /// An answer in words: seconds, or a status, or the values of all channels.
