@@ -177,11 +177,17 @@ mod tests {
     #[test]
     fn digits_suffice_for_the_growth_of_a_hundred_seconds() {
         // Of two integrations in different numbers of digits, both must be right.
-        let (question, start) = (question(Rule::First, 100.0), start(["-1.7", "0.06"]));
-        let (short, _) = answer(&question, Ends::None, &start, 1.0);
-        let (long, _) = Direct::<8>::new(&question, &start, 120.0).answer(Ends::None);
+        let (question, near) = (question(Rule::First, 100.0), start(["-1.7", "0.06"]));
+        let (short, _) = answer(&question, Ends::None, &near, 1.0);
+        let (long, _) = Direct::<8>::new(&question, &near, 120.0).answer(Ends::None);
         assert_eq!(short.status, long.status);
         assert!((short.time - long.time).abs() < 1e-6 * right_secs(question.build.unit_secs()));
+        let late = start(["0.92857", "-1.80186"]);
+        let question = Question { rule: Rule::Second, ..question };
+        let (short, _) = answer(&question, Ends::None, &late, 1.0);
+        let (long, _) = Direct::<8>::new(&question, &late, 120.0).answer(Ends::None);
+        assert!(short.status == long.status, "{short:?}, {long:?}");
+        assert!((short.time - long.time).abs() < 1e-6, "{short:?}, {long:?}");
         let decades = 44.0;
         assert!(Fixed::<3>::BITS as f64 * std::f64::consts::LOG10_2 < decades, "three are too few");
     }

@@ -127,7 +127,7 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
 mod tests {
     use super::*;
     use crate::engine::cpu::CpuEngine;
-    use crate::engine::level::BALANCED;
+    use crate::engine::level::{BALANCED, FAST};
     use crate::physics::Rule;
     use crate::scene::Build;
 
@@ -153,6 +153,36 @@ mod tests {
         assert_eq!((short.sampled, short.beyond, short.warning()), (200, 0, None));
         assert!(long.beyond > 3, "{long:?}");
         assert!(long.warning().unwrap().contains("beyond the horizon"));
+    }
+
+    #[test]
+    fn most_starts_with_large_errors_are_beyond_the_horizon_and_few_others() {
+        let question =
+            Question { build: Build::default(), rule: Rule::Second, budget_secs: 30.0, passes: 1 };
+        let angle = |k: u32| [-1.7 + 4e-4 * f64::from(k), 0.06 + 3e-4 * f64::from(k)];
+        let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
+        let mut engine = CpuEngine::new(Some(2)).unwrap();
+        let mut sample = |config| {
+            let how = (config, Ends::None);
+            let answers = Outlook::sample(&mut engine, question, how, &starts, &|| true);
+            answers.unwrap().unwrap()
+        };
+        let (fast, truth) = (sample(FAST), sample(BALANCED));
+        assert!(!truth.beyond.contains(&true));
+        let judge = Judge::new(&question, Ends::Plain, 0.0);
+        let answer = |sample: &SampledAnswers, k: usize| RunResult {
+            outcome: sample.result.outcomes[k],
+            end: sample.result.ends[k],
+        };
+        let mut counts = [[0; 2]; 2];
+        for k in 0..200 {
+            let truth = answer(&truth, k);
+            let is_wrong = judge.distance(&answer(&fast, k), &truth) > judge.allowed(&truth);
+            counts[usize::from(is_wrong)][usize::from(fast.beyond[k])] += 1;
+        }
+        let [[fine, doubted], [missed, found]] = counts;
+        assert!(found > 20 && fine > 20, "{counts:?}");
+        assert!(missed < found && 4 * doubted < found, "{counts:?}");
     }
 
     #[test]
