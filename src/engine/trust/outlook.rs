@@ -127,7 +127,8 @@ fn moved_by(starts: &Starts, by: [f64; 2]) -> Starts {
 mod tests {
     use super::*;
     use crate::engine::cpu::CpuEngine;
-    use crate::engine::level::{BALANCED, FAST};
+    use crate::engine::level::BALANCED;
+    use crate::engine::{Method, Precision};
     use crate::physics::Rule;
     use crate::scene::Build;
 
@@ -156,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn most_starts_with_large_errors_are_beyond_the_horizon_and_few_others() {
+    fn a_third_of_the_starts_with_large_errors_are_beyond_the_horizon_and_no_others() {
         let question =
             Question { build: Build::default(), rule: Rule::Second, budget_secs: 30.0, passes: 1 };
         let angle = |k: u32| [-1.7 + 4e-4 * f64::from(k), 0.06 + 3e-4 * f64::from(k)];
@@ -167,7 +168,9 @@ mod tests {
             let answers = Outlook::sample(&mut engine, question, how, &starts, &|| true);
             answers.unwrap().unwrap()
         };
-        let (fast, truth) = (sample(FAST), sample(BALANCED));
+        let method = Method::Dopri5 { tolerance: 1e-8 };
+        let coarse = IntegratorConfig { method, precision: Precision::F64 };
+        let (coarse, truth) = (sample(coarse), sample(BALANCED));
         assert!(!truth.beyond.contains(&true));
         let judge = Judge::new(&question, Ends::Plain, 0.0);
         let answer = |sample: &SampledAnswers, k: usize| RunResult {
@@ -177,12 +180,12 @@ mod tests {
         let mut counts = [[0; 2]; 2];
         for k in 0..200 {
             let truth = answer(&truth, k);
-            let is_wrong = judge.distance(&answer(&fast, k), &truth) > judge.allowed(&truth);
-            counts[usize::from(is_wrong)][usize::from(fast.beyond[k])] += 1;
+            let is_wrong = judge.distance(&answer(&coarse, k), &truth) > judge.allowed(&truth);
+            counts[usize::from(is_wrong)][usize::from(coarse.beyond[k])] += 1;
         }
         let [[fine, doubted], [missed, found]] = counts;
-        assert!(found > 20 && fine > 20, "{counts:?}");
-        assert!(missed < found && 4 * doubted < found, "{counts:?}");
+        assert!(found + missed > 50 && fine > 50, "{counts:?}");
+        assert!(2 * found > missed && 10 * doubted < found, "{counts:?}");
     }
 
     #[test]

@@ -76,6 +76,17 @@ fn of_the_time_of_a_flip() {
 }
 
 #[test]
+fn of_turns_and_flips_that_graze_the_top() {
+    let witnesses: [Witness; 4] = [
+        ([2.899, -1.1635338823654686], 6, "UNLIKELY, and that far runs are explained"),
+        ([-2.782, -2.4945069037706165], 4, "UNLIKELY"),
+        ([-0.983, -2.3523553390025396], 4, "the height beyond the top"),
+        ([-1.339, -2.5067889416427107], 3, "the height beyond the top"),
+    ];
+    check(question(Rule::Second, 6.0), Ends::None, at_rest(&witnesses), &witnesses);
+}
+
+#[test]
 fn of_the_first_bob() {
     let witnesses: [Witness; 2] = [
         ([2.188812, 2.750109], 1, "OF_CLEARANCE, MOST_CHANCE"),
@@ -83,7 +94,8 @@ fn of_the_first_bob() {
     ];
     check(question(Rule::First, 20.0), Ends::None, at_rest(&witnesses), &witnesses);
     let rods = Build { kind: Kind::Rods, ..Build::default() };
-    let witnesses: [Witness; 2] = [
+    let witnesses: [Witness; 3] = [
+        ([2.551636, -1.908982], 6, "the scale of Taylor expansions"),
         ([2.701314, -1.928459], 5, "the scales of f64 and extrapolation, UNFLIPPED"),
         ([2.39825, -1.884929], 5, "the scale of extrapolation, OF_CLEARANCE"),
     ];
@@ -94,8 +106,11 @@ fn of_the_first_bob() {
 #[test]
 fn of_states_growth_and_returns() {
     let neither = |secs| question(Rule::Neither, secs);
-    let states: [Witness; 2] =
-        [([2.355168, 1.814721], 3, "STATE"), ([-1.785374, -0.539467], 1, "STATE, MOST_CHANCE")];
+    let states: [Witness; 3] = [
+        ([2.355168, 1.814721], 3, "STATE"),
+        ([-1.785374, -0.539467], 1, "STATE, MOST_CHANCE"),
+        ([-2.680131, -3.041647], 3, "the displacement of nudged runs"),
+    ];
     check(neither(12.0), Ends::Plain, at_rest(&states), &states);
     let growth: [Witness; 2] = [
         ([2.543719, 0.34303], 4, "GROWTH, confirmation"),
@@ -119,6 +134,9 @@ fn of_deep_starts() {
     let center = ["-1.65907312822246439054652000777423381805419921875", "0.1"];
     let starts = in_leaf(center, 40, &witnesses);
     check(question(Rule::Second, 40.0), Ends::None, starts, &witnesses);
+    let witnesses: [Witness; 1] = [([0.224, 0.959], 0, "the scale of DOP853 after a map")];
+    let starts = in_leaf(["2.2", "1.3"], 7, &witnesses);
+    check(question(Rule::Second, 15.0), Ends::None, starts, &witnesses);
     let witnesses: [Witness; 2] = [
         ([0.154, -0.897], 1, "UNFLIPPED, MOST_CHANCE"),
         ([0.836, -0.016], 3, "GROWTH, confirmation"),
