@@ -149,9 +149,14 @@ fn in_units_of<T: Scalar>(state: &State<T>, unit: T) -> State<T> {
     State { angle: state.angle, speed: state.speed.map(|speed| speed * unit) }
 }
 
-/// The unit of time of a first step, from an expansion in f64.
+/// The unit of time of a first step, from an expansion in f64. Of a start that f64 cannot tell from an
+/// equilibrium it is that of motions farther away, since the coefficients of long numbers may not overflow.
 fn first_unit<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
-    let near = State { angle: state.angle.map(T::to_f64), speed: state.speed.map(T::to_f64) };
+    let mut near = State { angle: state.angle.map(T::to_f64), speed: state.speed.map(T::to_f64) };
+    let is_still = near.speed.iter().all(|speed| speed.abs() < ASIDE);
+    if is_still && near.angle.iter().all(|angle| angle.sin().abs() < ASIDE * ASIDE) {
+        near.angle[0] += ASIDE;
+    }
     let mut series = RecurrenceSeries::<f64>::new(bits_of::<f64>());
     series.expand(&pendulum.to_f64(), &near);
     series.step_length() / SAFETY
@@ -335,6 +340,8 @@ fn sin_cos_exact<T: Scalar>(angle: T) -> (T, T) {
     }
 }
 
+/// Distance from an equilibrium in rad, and speed, from which on f64 tells how fast it is left.
+const ASIDE: f64 = 1e-6;
 /// The factor e⁻² and Jorba and Zou's safety exp(−0.7/(p−1)), taken once for all orders used.
 const SAFETY: f64 = 0.135_335_283 * 0.95;
 /// Maximum length of a step in its unit of time: a pendulum at an equilibrium has no time scale.
@@ -423,6 +430,23 @@ mod tests {
         for angle in [[Dd::PI, Dd::PI], [Dd::PI, -Dd::PI], [Dd::new(0.0), Dd::PI]] {
             let state = Orbit::new(pendulum, State::rest(angle)).state_at(Dd::new(100.0));
             assert_eq!(state, State::rest(angle));
+        }
+    }
+
+    #[test]
+    fn a_pendulum_nearer_to_an_equilibrium_than_f64_tells_falls_as_exactly() {
+        let lit = Fixed::<4>::from_f64;
+        let pendulum = Pendulum::points([lit(1.0); 2], [lit(1.0); 2], lit(1.0));
+        // Linear motion: a hundred times the distance is a hundred times as far after the same time.
+        let after = |by: f64| {
+            let start = [Fixed::<4>::pi() - lit(by), Fixed::pi() + lit(2.0 * by)];
+            let state = Orbit::new(pendulum, State::rest(start)).state_at(lit(3.0));
+            state.angle.map(|angle| ((angle - Fixed::pi()) / lit(by)).to_f64())
+        };
+        let (near, far) = (after(1e-20), after(1e-18));
+        for bob in 0..2 {
+            let apart = (near[bob] / far[bob] - 1.0).abs();
+            assert!(near[bob].abs() > 10.0 && apart < 1e-12, "{near:?}, {far:?}");
         }
     }
 
