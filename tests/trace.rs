@@ -86,6 +86,20 @@ fn a_trace_has_the_columns_of_its_question() {
 }
 
 #[test]
+fn exponents_do_not_depend_on_the_rows_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let exponent = |every: &str| -> f64 {
+        let start = ["trace", "--start", "2.29999999956,1.10000000044", "--until", "20"];
+        let output =
+            flipmap(&folder, &[&start[..], &["--ask", "growth", "--every", every]].concat());
+        let text = String::from_utf8(output.stdout).unwrap();
+        text.trim().rsplit(',').next().unwrap().parse().unwrap()
+    };
+    let (fine, coarse) = (exponent("0.5"), exponent("20"));
+    assert!((fine / coarse - 1.0).abs() < 1e-9, "{fine} {coarse}");
+}
+
+#[test]
 fn traces_with_bad_numbers_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let cases: [(&[&str], &str); 5] = [

@@ -18,7 +18,7 @@ pub(super) struct TraceChannels {
     unit_secs: f64,
     returns: ReturnSearch,
     passes: Vec<Pass>,
-    /// Time and place of the last row, and the tangent map from the start to it.
+    /// Time and place up to which growth is followed, and the tangent map from the start to it.
     last: (f64, Phase<f64>),
     map: TangentMap,
 }
@@ -58,9 +58,19 @@ impl TraceChannels {
     /// Takes a step and the passes in it, before its rows.
     pub(super) fn add(&mut self, step: &TaylorStep<Dd>, passes: &[Pass]) {
         self.passes.extend(passes);
-        if self.question.ask.kind().needs == Needs::Return {
-            self.returns.add(step);
+        match self.question.ask.kind().needs {
+            Needs::Return => self.returns.add(step),
+            Needs::Growth => self.grow(step.start.hi, &step.state(Dd::new(0.0))),
+            Needs::Outcome | Needs::End => {}
         }
+    }
+
+    /// Takes the tangent map on to a state at a time in s. From step to step and from row to row, the
+    /// orbit in f64 begins anew at the one in double-double.
+    fn grow(&mut self, secs: f64, state: &State<Dd>) {
+        let phase = reduced_phase(&self.pendulum, self.unit_secs, state);
+        let (since, from) = std::mem::replace(&mut self.last, (secs, phase));
+        self.map = self.map.followed_by(&self.pendulum, &from, (secs - since) / self.unit_secs);
     }
 
     /// The values at a time.
@@ -97,13 +107,10 @@ impl Followed for TraceRow<'_> {
         self.state.angle.map(|angle| whole_turns(angle.hi))
     }
 
-    /// The growth from the start so far: the last row's, and that of the way since.
     fn exponent(&mut self) -> f64 {
-        let TraceChannels { pendulum, unit_secs, last, map, .. } = &mut *self.channels;
-        let (secs, phase) = (self.time.hi, reduced_phase(pendulum, *unit_secs, self.state));
-        let (since, from) = std::mem::replace(last, (secs, phase));
-        *map = map.followed_by(pendulum, &from, (secs - since) / *unit_secs);
-        if secs > 0.0 { map.log_growth() / secs } else { f64::NAN }
+        let secs = self.time.hi;
+        self.channels.grow(secs, self.state);
+        if secs > 0.0 { self.channels.map.log_growth() / secs } else { f64::NAN }
     }
 
     fn nearest(&mut self) -> [f64; 2] {
