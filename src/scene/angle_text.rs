@@ -2,8 +2,9 @@
 
 use crate::physics::{Scalar, Theta};
 
-/// Number of digits after the point of angles that are converted.
-const DIGITS: usize = 110;
+/// Number of digits after the point of angles that are converted: as many as [`Theta`] is read back from
+/// exactly, so that 180° is exactly the top.
+const DIGITS: usize = 140;
 
 /// The text in rad of an angle that is given in degrees or in parts of π; any other text as it is.
 pub fn in_rad(text: &str) -> String {
@@ -42,6 +43,9 @@ mod tests {
         assert!(
             in_rad("180deg").starts_with("3.14159265358979323846264338327950288419716939937510")
         );
+        for text in ["pi", "180deg", "1pi", "-180deg", "-pi"] {
+            assert_eq!(Theta::parse(&in_rad(text)).unwrap().abs(), Theta::pi(), "{text}");
+        }
         // A text already in rad keeps every character, and a wrong one is reported as typed.
         for as_it_is in ["0.100", "1e-30", "deg", "fivedeg", "pipi", ""] {
             assert_eq!(in_rad(as_it_is), as_it_is);
