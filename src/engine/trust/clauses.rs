@@ -94,11 +94,8 @@ fn a_near_miss_before_the_flip_must_be_told_from_a_crossing() {
 fn the_flip_must_be_told_from_a_near_miss() {
     let pushed = |momentum: f64| {
         let slow = |time: f64| {
-            let mut answer = flip_at(time);
-            answer.end.phase = [1.0, 0.0, -1.0, 0.0, -momentum, momentum];
-            answer.end.phase[0] = 0.6;
-            answer.end.phase[1] = 0.8;
-            answer
+            let phase = [0.6, 0.8, -1.0, 0.0, -momentum, momentum];
+            RunResult { end: End { phase, ..flip_at(time).end }, ..flip_at(time) }
         };
         is_sure(&[from_rest(BALANCED, slow(5.0)), from_rest(FAST, slow(5.0 + 1e-6))])
     };
