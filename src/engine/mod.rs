@@ -28,6 +28,7 @@ pub mod kind;
 pub mod level;
 pub mod method;
 pub mod mock;
+mod number_parts;
 mod one_job;
 pub mod pace;
 pub mod plain_file;

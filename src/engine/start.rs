@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 use rayon::prelude::*;
 
 use super::integrator_state::carried_names;
+use super::number_parts::{parts, time_parts, vectors};
 use super::pace::Pace;
 use super::{
     Carried, End, Ends, EngineError, IntegratorConfig, IntegratorState, Job, Method, Moving,
@@ -20,7 +21,7 @@ use crate::physics::first_moments::FirstMoments;
 use crate::physics::phase::Phase;
 use crate::physics::series::{MotionSeries, ORDER_F64};
 use crate::physics::tangents::{TangentMap, Tangents, log_growth, released};
-use crate::physics::{Accumulators, Angle, Dd, Launch, Pendulum, Scalar, State, control};
+use crate::physics::{Accumulators, Dd, Launch, Pendulum, Scalar, State, control};
 
 /// Names of the numbers of a fixed-step state.
 pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
@@ -113,14 +114,6 @@ fn beside_top(job: &Job, reduced: &(Pendulum<Dd>, Dd), moments: &FirstMoments) -
     let counts = job.question.counts() && !job.keep.ends.are_carried();
     let carried = counts.then(|| Box::new(Carried::Counts(moments.gathered())));
     IntegratorState { carried, ..IntegratorState::new(0, numbers) }
-}
-
-/// The unit vectors along the rods.
-fn vectors(config: &IntegratorConfig, angle: [Dd; 2]) -> [[Dd; 2]; 2] {
-    match config.precision {
-        Precision::Dd => angle.map(exact_unit_vector),
-        _ => angle.map(unit_vector),
-    }
 }
 
 /// Refuses paused pendulums that do not carry what the job returns.
@@ -379,42 +372,4 @@ pub fn end_with_return(left: &IntegratorState) -> End {
 /// Number of whole turns in an angle (rad) that began in (−π, π].
 pub fn whole_turns(angle: f64) -> i32 {
     ((angle - PI) / TAU).ceil() as i32
-}
-
-/// A time as the number type holds it, and the remainder.
-fn time_parts(config: &IntegratorConfig, [high, low]: [f64; 2]) -> [f64; 2] {
-    match config.precision {
-        Precision::F64 | Precision::Dd => [high, low],
-        Precision::F32 | Precision::Df32 => parts(Dd { hi: high, lo: low }, config.precision),
-    }
-}
-
-/// `value` as the number type holds it, and the remainder.
-fn parts(value: Dd, precision: Precision) -> [f64; 2] {
-    match precision {
-        Precision::F64 => [value.hi, 0.0],
-        Precision::Dd => [value.hi, value.lo],
-        Precision::F32 | Precision::Df32 => {
-            let high = f64::from(value.hi as f32);
-            [high, f64::from(((value.hi - high) + value.lo) as f32)]
-        }
-    }
-}
-
-/// Cosine and sine to the precision of f64; exact at the top.
-fn unit_vector(angle: Dd) -> [Dd; 2] {
-    if angle.abs() == Dd::PI {
-        return [Dd::new(-1.0), Dd::new(0.0)];
-    }
-    let (sin, cos) = angle.hi.sin_cos();
-    [Dd::new(cos - sin * angle.lo), Dd::new(sin + cos * angle.lo)]
-}
-
-/// Cosine and sine to the precision of double-double; exact at the top.
-fn exact_unit_vector(angle: Dd) -> [Dd; 2] {
-    if angle.abs() == Dd::PI {
-        return [Dd::new(-1.0), Dd::new(0.0)];
-    }
-    let (sin, cos) = angle.sin_cos();
-    [cos, sin]
 }

@@ -1,14 +1,13 @@
 //! The starts of a picture's pixels, and what is known of them before anything is computed.
 
+mod fate;
+
+pub use self::fate::Fate;
 use super::leaf_grid::{Grouped, LeafGrid};
 use super::plane::{PlaneNumbers, wrapped};
 use super::{Axis, ExactPlane, Sampling, Scene};
-use crate::physics::first_moments::{FirstMoments, FirstPass};
-use crate::physics::opening::{Opening, from_top};
-use crate::physics::phase::Phase;
-use crate::physics::{
-    Angle, Dd, Launch, Outcome, Pendulum, Rule, Scalar, State, Status, Theta, oracle,
-};
+use crate::physics::opening::Opening;
+use crate::physics::{Angle, Dd, Launch, Pendulum, Rule, Scalar, State, Theta};
 
 /// The starts of a picture of a scene.
 #[derive(Clone, Debug)]
@@ -34,20 +33,6 @@ pub struct Grid {
     rule: Rule,
     opening: Opening,
     budget_secs: f64,
-}
-
-/// The outcome of a pixel if it is known before any step is taken, or else its start.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Fate {
-    /// The whole outcome is known: energy conservation forbids the flip, or the pendulum is
-    /// balanced for ever, or it passes the top in its first moments.
-    Known(Outcome),
-    /// The pixel has to be simulated from these angles, in [−π, π] (rad), at rest.
-    Open([Dd; 2]),
-    /// The pixel has to be simulated from this start, which has speeds.
-    Thrown(Launch),
-    /// The pixel has to be simulated from the end of its first moments.
-    BesideTop(Box<FirstMoments>),
 }
 
 /// The angle at an offset from π. Opposite offsets have exactly opposite angles; at π itself, which
@@ -276,22 +261,6 @@ impl Grid {
         self.exact.depth(cos) - self.exact.least_depth(self.rule)
     }
 
-    /// Determines as much of a pixel's outcome as is known beforehand.
-    pub fn fate(&self, column: u32, row: u32) -> Fate {
-        let forbidden = Fate::Known(Outcome::without_time(Status::Forbidden));
-        let Some(launch) = self.launch(column, row) else { return forbidden };
-        if self.rule != Rule::Neither && self.is_forbidden(&launch, column, row) {
-            return forbidden;
-        }
-        if let Some(moments) = self.first_moments(&launch, column, row) {
-            return self.fate_beside_top(moments, column, row);
-        }
-        if self.rule != Rule::Neither && launch.is_at_rest() && oracle::is_balanced(launch.angle) {
-            return Fate::Known(Outcome::without_time(Status::Unflipped));
-        }
-        if self.plane.is_at_rest { Fate::Open(launch.angle) } else { Fate::Thrown(launch) }
-    }
-
     /// The start of a pixel in double-double; none where a section has no real solution.
     fn launch(&self, column: u32, row: u32) -> Option<Launch> {
         let at = self.angle_from_pixel(column, row);
@@ -301,58 +270,10 @@ impl Grid {
         }
     }
 
-    /// Returns true if a pixel with this start begins so near the top that its first moments must be
-    /// decided.
-    fn concerns_opening(&self, launch: &Launch) -> bool {
-        let unit_secs = self.reduced.1.to_f64();
-        let speed = launch.speed.map(|speed| speed.hi * unit_secs);
-        self.opening.concerns(launch.angle.map(|angle| from_top(angle).hi), speed)
-    }
-
-    /// The first moments of a pixel with this start, if it begins so near the top that these must be
-    /// decided.
-    fn first_moments(&self, launch: &Launch, column: u32, row: u32) -> Option<FirstMoments> {
-        if !self.concerns_opening(launch) {
-            return None;
-        }
-        Some(self.opening.first_moments(&self.exact_reduced(column, row)?))
-    }
-
     /// The start of a pixel to all digits, with speeds in reduced units.
     fn exact_reduced(&self, column: u32, row: u32) -> Option<State<Theta>> {
         let start = self.exact_start(column, row)?;
         Some(State { speed: start.speed.map(|speed| speed * self.reduced.1), ..start })
-    }
-
-    /// The fate of a start beside the top.
-    fn fate_beside_top(&self, moments: FirstMoments, column: u32, row: u32) -> Fate {
-        if let Some(pass) = moments.passes.get(self.passes as usize - 1)
-            && self.rule != Rule::Neither
-        {
-            return Fate::Known(self.outcome_of(pass));
-        }
-        let is_balanced = |start: State<Theta>| oracle::is_balanced(start.angle);
-        if self.rule != Rule::Neither
-            && moments.is_at_rest()
-            && self.exact_start(column, row).is_some_and(is_balanced)
-        {
-            return Fate::Known(Outcome::without_time(Status::Unflipped));
-        }
-        match (moments.is_plain(), self.plane.is_at_rest) {
-            (true, true) => Fate::Open(moments.angle),
-            (true, false) => Fate::Thrown(moments.launch(self.reduced.1.to_dd())),
-            (false, _) => Fate::BesideTop(Box::new(moments)),
-        }
-    }
-
-    /// The outcome of a pass in the first moments.
-    fn outcome_of(&self, pass: &FirstPass) -> Outcome {
-        let secs = pass.time.hi * self.reduced.1.to_f64();
-        if secs <= self.budget_secs {
-            Outcome::flipped(secs)
-        } else {
-            Outcome::without_time(Status::Unflipped)
-        }
     }
 
     /// Returns true if the lattice reaches all starts of a picture.
@@ -371,40 +292,6 @@ impl Grid {
     /// the lattice reaches, or a cell's polynomials do not answer the question.
     pub fn cell_plane(&self) -> Option<ExactPlane> {
         self.has_cells.then_some(self.exact_plane)
-    }
-
-    /// The pass of the top, the question's last, that a pixel makes in its first moments; `None` for
-    /// any other.
-    fn first_pass(&self, column: u32, row: u32) -> Option<(FirstPass, FirstMoments)> {
-        if self.rule == Rule::Neither {
-            return None;
-        }
-        let moments = self.first_moments(&self.launch(column, row)?, column, row)?;
-        Some((*moments.passes.get(self.passes as usize - 1)?, moments))
-    }
-
-    /// The outcome of a pixel that passes the top in its first moments, or is balanced there for ever;
-    /// `None` for any other.
-    pub fn outcome_beside_top(&self, column: u32, row: u32) -> Option<Outcome> {
-        if self.rule == Rule::Neither {
-            return None;
-        }
-        let moments = self.first_moments(&self.launch(column, row)?, column, row)?;
-        match self.fate_beside_top(moments, column, row) {
-            Fate::Known(outcome) => Some(outcome),
-            _ => None,
-        }
-    }
-
-    /// Returns true if a pixel begins so near the top that its first moments are decided.
-    pub fn is_beside_top(&self, column: u32, row: u32) -> bool {
-        self.launch(column, row).is_some_and(|launch| self.concerns_opening(&launch))
-    }
-
-    /// The unit vectors and momenta (reduced) of a pixel as it passes the top in its first moments.
-    pub fn phase_at_first_pass(&self, column: u32, row: u32) -> Option<Phase<f64>> {
-        let (pass, moments) = self.first_pass(column, row)?;
-        Some(moments.phase_at(&pass, &self.reduced.0.to_f64()))
     }
 
     /// True if energy forbids the flip: tested in f64, or in double-double where f64 cannot tell, or in
@@ -434,6 +321,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::{Outcome, Status};
     use crate::scene::{QuestionTable, View};
 
     fn grid(view: View, size: [u32; 2]) -> Grid {

@@ -19,6 +19,7 @@ pub mod location;
 pub mod palette;
 mod picture;
 mod plane;
+mod question_table;
 mod scene_error;
 mod turn;
 mod upright;
@@ -35,6 +36,7 @@ pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
 pub use picture::{PictureTable, Sampling, Scale, Shown};
 pub use plane::{Axis, Plane, PlaneKind};
+pub use question_table::QuestionTable;
 pub use scene_error::SceneError;
 pub use turn::Turn;
 pub use upright::UprightGrid;
@@ -45,7 +47,7 @@ use serde::{Deserialize, Serialize};
 
 use self::exact_length::exactly;
 use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
-use crate::question::{Ask, Needs, Watches};
+use crate::question::Ask;
 
 /// Kind of pendulum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -163,121 +165,6 @@ impl Build {
     /// The pendulum's natural unit of time in s; 1 s without gravity, when nothing moves.
     pub fn unit_secs(&self) -> f64 {
         if self.gravity.value() > 0.0 { self.reduced_in::<Dd>().1.to_f64() } else { 1.0 }
-    }
-}
-
-/// The question asked about every start. Keys added after the first release are written only where
-/// they differ from their defaults.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct QuestionTable {
-    /// The question's name.
-    #[serde(skip_serializing_if = "is_default")]
-    pub ask: Ask,
-    /// The rule: which bob is watched.
-    pub rule: Rule,
-    /// Simulated seconds that a pixel may use.
-    pub budget: Budget,
-    /// Time of the answer in s, for questions about a moment; none for the end of the budget.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub at: Option<f64>,
-    /// Number of the flip whose time is asked for, from 1.
-    #[serde(skip_serializing_if = "is_one")]
-    pub count: u32,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
-fn is_one(count: &u32) -> bool {
-    *count == 1
-}
-
-impl Default for QuestionTable {
-    fn default() -> Self {
-        let (ask, rule, budget) = (Ask::Flip, Rule::Second, Budget::default());
-        QuestionTable { ask, rule, budget, at: None, count: 1 }
-    }
-}
-
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
-}
-
-impl QuestionTable {
-    /// Largest number of a flip that can be asked for.
-    pub const MOST_COUNT: u32 = 1_000_000;
-
-    /// The questions that have a rule, as a phrase.
-    const RULE_IS_FOR: &str = "only the question flip has a rule: omit `rule`, or use `ask` flip";
-
-    /// Returns true if the question watches the bobs of the rule.
-    fn has_rule(&self) -> bool {
-        self.ask.kind().watches == Watches::TheRule
-    }
-
-    /// The bobs that are watched.
-    pub fn watched(&self) -> Rule {
-        self.ask.watched(self.rule)
-    }
-
-    /// Returns true if deep views are answered, by following cells of starts.
-    pub fn follows_cells(&self) -> bool {
-        self.ask.kind().follows_cells && self.passes() == 1
-    }
-
-    /// Indices of the bobs whose passes of the top an answer tells or counts.
-    pub fn bobs_at_top(&self) -> &'static [usize] {
-        match self.watched() {
-            Rule::Neither if self.ask.kind().needs == Needs::End => Rule::Either.watched(),
-            rule => rule.watched(),
-        }
-    }
-
-    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.
-    pub fn passes(&self) -> u32 {
-        if self.ask.kind().has_count { self.count } else { self.ask.kind().passes }
-    }
-
-    /// Simulated seconds after which a pendulum is followed no further.
-    pub fn end_secs(&self) -> f64 {
-        match self.at {
-            Some(at) if self.ask.kind().at_a_time => at,
-            _ => self.budget.secs,
-        }
-    }
-
-    /// Checks what belongs to this question; the budget is checked.
-    fn check(&self) -> Result<(), SceneError> {
-        let refuse = |setting, value: String, range: &'static str| {
-            Err(SceneError::new(setting, value, range))
-        };
-        if !(1..=Self::MOST_COUNT).contains(&self.count) {
-            return refuse("count", self.count.to_string(), "it must lie between 1 and 1000000");
-        }
-        if self.rule != Rule::default() && !self.has_rule() {
-            return refuse("rule", format!("'{}'", self.rule), Self::RULE_IS_FOR);
-        }
-        if self.count > 1 && !self.ask.kind().has_count {
-            return refuse("count", self.count.to_string(), "only the question flip counts");
-        }
-        let Some(at) = self.at else { return Ok(()) };
-        if !self.ask.kind().at_a_time {
-            return refuse(
-                "at",
-                at.to_string(),
-                "only the questions flips, state, growth and return last until a given time",
-            );
-        }
-        let budget = self.budget.secs;
-        if at == 0.0 && self.ask.kind().needs == Needs::Growth {
-            let range =
-                format!("growth takes time: it must lie above 0 and within the budget, {budget} s");
-            return Err(SceneError::new("at", format!("{at} s"), range));
-        }
-        if !(at >= 0.0 && at <= budget) {
-            let range = format!("it must lie within the budget, between 0 and {budget} s");
-            return Err(SceneError::new("at", format!("{at} s"), range));
-        }
-        Ok(())
     }
 }
 

@@ -45,16 +45,25 @@ impl How {
 
     /// The options that select it.
     pub(super) fn options(&self) -> String {
-        let engine = format!("--engine {} --cells {}", self.kind, self.cells);
-        let Some(IntegratorConfig { method, precision }) = self.config else {
-            return format!("--accuracy exact {engine}");
+        let mut settings =
+            vec![("engine", self.kind.to_string()), ("cells", self.cells.to_string())];
+        match self.config {
+            None => settings.push(("accuracy", Accuracy::Exact.to_string())),
+            Some(IntegratorConfig { method, precision }) => {
+                let limit = match method {
+                    Method::Rk4 { .. } => ("step", "1/120".to_string()),
+                    _ => ("tolerance", format!("{:e}", method.tolerance().unwrap_or_default())),
+                };
+                let method = ("method", method.name().to_string());
+                settings.extend([method, ("precision", precision.to_string()), limit]);
+                settings.push(("verify", String::new()));
+            }
+        }
+        let option = |(setting, value): &(&str, String)| match value.as_str() {
+            "" => format!("--{setting}"),
+            value => format!("--{setting}={value}"),
         };
-        let setting = match method {
-            Method::Rk4 { .. } => "--step 1/120".to_string(),
-            _ => format!("--tolerance {:e}", method.tolerance().unwrap_or_default()),
-        };
-        let name = method.name();
-        format!("--verify --method {name} --precision {precision} {setting} {engine}")
+        settings.iter().map(option).collect::<Vec<_>>().join(" ")
     }
 }
 
