@@ -8,10 +8,10 @@ use common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::FINEST;
 use flipmap::engine::{
-    Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Question, Starts, Upright,
+    Accuracy, Engine, IntegratorConfig, Keep, Method, Onset, Precision, Question, Starts, Upright,
 };
 use flipmap::physics::{Dd, Decimal, Outcome, Rule, Status};
-use flipmap::scene::{Budget, Build, Grid, Kind, QuestionTable as Asked, Scene, View};
+use flipmap::scene::{Budget, Build, Fate, Grid, Kind, QuestionTable as Asked, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
@@ -268,17 +268,17 @@ fn starts_at_the_top_begin_inside(make: Make) {
     let pi = "3.14159265358979323846264338327950288";
     let view = View { center: ["-2".into(), pi.into()], width: "1e-9".into(), ..View::default() };
     let scene = Scene { view, ..Scene::default() };
-    let starts = open_starts(&scene, 1, 1);
+    let Fate::BesideTop(moments) = Grid::new(&scene, [1, 1]).fate(0, 0) else {
+        panic!("it begins at the top");
+    };
+    let starts = Starts::Mixed { starts: vec![Onset::BesideTop(moments)], thrown: false };
     let question = question(&scene);
-    let truth = truth(&question, &starts);
-    assert!(truth[0].time > 0.1, "{truth:?}");
+    let truth = truth(&question, &[[Dd::new(-2.0), Dd::PI]])[0];
+    assert!(truth.time > 0.1, "{truth:?}");
     let mut engine = make();
     for config in configs() {
-        let answers = answers(engine.as_mut(), &question, config, &starts);
-        assert!(
-            (answers[0].time - truth[0].time).abs() < 1e-2,
-            "{config:?}: {answers:?} {truth:?}"
-        );
+        let answer = finished(engine.as_mut(), &question, config, starts.clone()).outcomes[0];
+        assert!((answer.time - truth.time).abs() < 1e-2, "{config:?}: {answer:?} {truth:?}");
     }
 }
 
