@@ -115,8 +115,7 @@ impl FinishedPatch {
         Moving { time, phase, step, clearance, grown, map_error, turns, nudges: None }
     }
 
-    /// What polynomials leave out where neighbours lie `spread` apart, taken back to the release, in
-    /// rad.
+    /// Error of the polynomials where neighbours lie `spread` apart, taken back to the release, in rad.
     fn at_release(&self, [tail, spread]: [f64; 2]) -> f64 {
         if tail > 0.0 { tail * self.half_side / spread } else { 0.0 }
     }

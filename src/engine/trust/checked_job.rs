@@ -165,12 +165,6 @@ impl CheckedJob {
         self.done.iter().filter_map(answer).collect()
     }
 
-    /// Returns true if the answer to a start is sure by now.
-    #[cfg(test)]
-    pub(super) fn is_sure(&self, start: usize) -> bool {
-        !matches!(self.trusts[start], Trust::Unchecked | Trust::Uncertain)
-    }
-
     /// The result of the job.
     pub(super) fn finish(self) -> JobResult {
         let ends = match self.job.keep.ends {
@@ -185,5 +179,13 @@ impl CheckedJob {
             effort: self.effort,
             ..JobResult::default()
         }
+    }
+}
+
+#[cfg(test)]
+impl CheckedJob {
+    /// Returns true if the answer to a start is sure by now.
+    pub(super) fn is_sure(&self, start: usize) -> bool {
+        !matches!(self.trusts[start], Trust::Unchecked | Trust::Uncertain)
     }
 }

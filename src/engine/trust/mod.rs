@@ -35,15 +35,11 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 mod checked_job;
-#[cfg(test)]
-mod clauses;
 pub mod direct;
 mod judge;
 mod ladder;
 mod opinion;
 mod outlook;
-#[cfg(test)]
-mod witnesses;
 
 use self::checked_job::{CheckedJob, RUNS};
 pub use self::opinion::Opinion;
@@ -262,3 +258,8 @@ impl Engine for TrustEngine<'_> {
         self.distrusts
     }
 }
+
+#[cfg(test)]
+mod clauses;
+#[cfg(test)]
+mod witnesses;

@@ -67,19 +67,9 @@ const HALVINGS: usize = 40;
 impl<T: Scalar> Referee<'_, T> {
     /// The end of a motion from a state; `None` if it cannot be decided in these digits.
     pub(super) fn end(&self, start: &Phase<T>) -> Option<MotionEnd<T>> {
-        let mut now = MotionEnd {
-            flipped: false,
-            time: T::zero(),
-            phase: *start,
-            passes: [0; 4],
-            nearest: [f64::INFINITY, 0.0],
-        };
+        let mut now = self.begun(start);
         let mut has_left = false;
         let mut step = T::from_f64(1e-2);
-        if self.bobs.iter().any(|&bob| Self::is_at_top(bob, start)) {
-            let off = T::from_f64(OFF_THE_TOP);
-            (now.phase, now.time) = (self.step(start, off).0, off);
-        }
         for _ in 0..MOST_STEPS {
             let left = self.budget - now.time;
             if left <= T::zero() {
@@ -128,6 +118,16 @@ impl<T: Scalar> Referee<'_, T> {
             step = if longer > T::from_f64(LONGEST) { T::from_f64(LONGEST) } else { longer };
         }
         None
+    }
+
+    /// The motion at its release, or a moment later if a bob begins exactly at the top.
+    fn begun(&self, start: &Phase<T>) -> MotionEnd<T> {
+        let off = T::from_f64(OFF_THE_TOP);
+        let (phase, time) = match self.bobs.iter().any(|&bob| Self::is_at_top(bob, start)) {
+            true => (self.step(start, off).0, off),
+            false => (*start, T::zero()),
+        };
+        MotionEnd { flipped: false, time, phase, passes: [0; 4], nearest: [f64::INFINITY, 0.0] }
     }
 
     /// Returns true if a bob is exactly at the top.

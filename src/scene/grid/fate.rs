@@ -1,4 +1,4 @@
-//! What is known of a pixel's outcome before any step is taken.
+//! Outcomes of pixels that are known before any step is taken.
 
 use super::Grid;
 use crate::physics::first_moments::{FirstMoments, FirstPass};
