@@ -46,7 +46,7 @@ pub enum Starts {
 /// The point at which the integration of a pendulum begins.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Onset {
-    /// Its launch, at rest or with speeds.
+    /// The launch, at rest or with speeds.
     Launch(Launch),
     /// The end of its first moments.
     BesideTop(Box<FirstMoments>),

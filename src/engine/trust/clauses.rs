@@ -41,7 +41,7 @@ fn from_rest(config: IntegratorConfig, answer: RunResult) -> (Run, RunResult) {
     (Run::new(config, Origin::Rest), answer)
 }
 
-/// Whether the answers to the time of a flip are sure.
+/// Returns true if the answers to the time of a flip are sure.
 fn is_sure(answers: &[(Run, RunResult)]) -> bool {
     judge(Rule::Second, Ends::None).verdict(answers).1
 }

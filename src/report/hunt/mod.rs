@@ -216,9 +216,9 @@ struct Window {
 /// The result of rendering a window.
 enum Rendering {
     Done(Samples),
-    /// It cannot be computed in this way, or on this machine.
+    /// Cannot be computed in this way, or on this machine.
     Refused,
-    /// It took too long.
+    /// Took too long.
     Late,
 }
 

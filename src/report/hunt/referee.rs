@@ -45,7 +45,7 @@ pub(super) struct MotionEnd<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum TopVerdict {
     Clear,
-    /// This bob passes.
+    /// The bob passes.
     Passes(usize),
     Unclear,
 }
