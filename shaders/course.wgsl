@@ -69,13 +69,15 @@ fn slope_at(coefficients: array<Real, TERMS>, x: Real) -> Real {
 }
 
 // The zero of a polynomial that falls from `side` to beyond zero: false position with the Illinois
-// halving of the end that is kept.
+// rule, which halves the value at an end that is kept twice in a row.
 fn only_zero(control: array<Real, TERMS>, side: Real) -> Real {
     var low = Real(0);
     var high = Real(1);
     var at_low = side * control[0];
     var at_high = side * control[TERMS - 1];
     var x = high;
+    // The end that the last iteration kept: -1 the low one, 1 the high one.
+    var kept = 0;
     for (var i = 0; i < 120; i++) {
         let next = (low * at_high - high * at_low) / (at_high - at_low);
         let still = abs(next - x) <= Real(2e-16) * next;
@@ -87,11 +89,17 @@ fn only_zero(control: array<Real, TERMS>, side: Real) -> Real {
         if value > 0 {
             low = x;
             at_low = value;
-            at_high *= Real(0.5);
+            if kept == 1 {
+                at_high *= Real(0.5);
+            }
+            kept = 1;
         } else {
             high = x;
             at_high = value;
-            at_low *= Real(0.5);
+            if kept == -1 {
+                at_low *= Real(0.5);
+            }
+            kept = -1;
         }
     }
     return larger(x, low);

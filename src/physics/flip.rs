@@ -40,6 +40,11 @@ impl Rule {
             Rule::Neither => &[],
         }
     }
+
+    /// Returns true for each bob that is watched.
+    pub fn watches(self) -> [bool; 2] {
+        [0, 1].map(|bob| self.watched().contains(&bob))
+    }
 }
 
 impl fmt::Display for Rule {

@@ -1,22 +1,25 @@
 //! Adaptive steps: embedded Runge–Kutta pairs on unit vectors and momenta, every lane with a time
 //! and a step of its own.
 
-use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
+use std::marker::PhantomData;
+
+use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE, lane_of};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
 use super::pair::{EmbeddedPair, LaneStep, TopTest};
 use super::slowed::finish_slowed;
+use super::stretch::{Stretch, vectorized};
 use super::{step_control, turns};
 use crate::engine::pace::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
-use crate::engine::{End, NUMBERS, Question};
+use crate::engine::{End, NUMBERS};
 use crate::physics::control::LONGEST;
 use crate::physics::crossing::{FAR, StepState, beyond_top, height_beyond};
 use crate::physics::phase::Phase;
 use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
 
 /// Runs a chunk in lanes of `N`.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn run<N: Number, P: TopTest>(
     set: <N::Leading as Lanes>::Set,
     chunk: &Chunk,
@@ -24,23 +27,80 @@ pub(super) fn run<N: Number, P: TopTest>(
 ) -> Option<ChunkResult> {
     let (exact, _) = chunk.question.reduced_in::<Dd>();
     let reduced = exact.to_f64();
-    let scale = reduced.momentum_scale();
-    let number = N::exactly(<N::Leading as Lanes>::splat(set, 1.0));
-    let lanes = |value: f64| [value; MOST_LANES];
-    let pendulum = exact.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
-    let inverse_scale = [number.lit(1.0 / scale[0]), number.lit(1.0 / scale[1])];
     let mut lanes = AdaptiveLanes {
         scheduler: LaneScheduler::new(chunk, <N::Leading as Lanes>::COUNT, idle()),
         reduced,
         adaptive,
     };
-    let counts_turns = lanes.scheduler.counts_turns();
+    let mut suspect = SuspectStep::NONE;
     finish_those_over(&mut lanes.scheduler, &adaptive);
     while lanes.scheduler.is_busy() {
         if lanes.scheduler.is_cancelled() {
             return None;
         }
-        let mut state = LaneState::<N>::load(set, &lanes.scheduler);
+        let stretch = AdaptiveStretch::<N, P> {
+            pendulum: &exact,
+            inverse_scale: reduced.momentum_scale().map(|scale| 1.0 / scale),
+            adaptive: &adaptive,
+            scheduler: &mut lanes.scheduler,
+            suspect: &mut suspect,
+            kernel: PhantomData,
+        };
+        let AdaptiveStretchEnd { taken, is_suspect } = vectorized::<N::Leading, _>(set, stretch);
+        lanes.scheduler.count_steps(taken);
+        if is_suspect {
+            lanes.decide::<P>(&suspect);
+        }
+        finish_slowed(&mut lanes.scheduler, &reduced);
+        finish_those_over(&mut lanes.scheduler, &adaptive);
+    }
+    Some(lanes.scheduler.answer)
+}
+
+/// Steps of all lanes until a watched bob may have been at the top or a budget ends.
+struct AdaptiveStretch<'a, 'b, N, P> {
+    pendulum: &'a Pendulum<Dd>,
+    inverse_scale: [f64; 2],
+    adaptive: &'a Adaptive,
+    scheduler: &'a mut LaneScheduler<'b>,
+    suspect: &'a mut SuspectStep,
+    kernel: PhantomData<(N, P)>,
+}
+
+struct AdaptiveStretchEnd {
+    taken: u32,
+    /// True if the last of those steps is to be decided lane by lane.
+    is_suspect: bool,
+}
+
+/// A step in which a bob of some lane may have been at the top.
+struct SuspectStep {
+    /// The lanes' numbers before the step.
+    before: [[f64; MOST_LANES]; NUMBERS],
+    /// Distance from the top that each lane's watched bobs keep in the step, as a sine; not positive where
+    /// one may have crossed it.
+    clearance: [f64; MOST_LANES],
+}
+
+impl SuspectStep {
+    const NONE: SuspectStep =
+        SuspectStep { before: [[0.0; MOST_LANES]; NUMBERS], clearance: [FAR; MOST_LANES] };
+}
+
+impl<N: Number, P: TopTest> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P> {
+    type End = AdaptiveStretchEnd;
+
+    #[inline(always)]
+    fn run(self, set: <N::Leading as Lanes>::Set) -> AdaptiveStretchEnd {
+        let number = N::exactly(<N::Leading as Lanes>::splat(set, 1.0));
+        let lanes = |value: f64| [value; MOST_LANES];
+        let pendulum = self.pendulum.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
+        let inverse_scale = [number.lit(self.inverse_scale[0]), number.lit(self.inverse_scale[1])];
+        let adaptive = *self.adaptive;
+        let watches = self.scheduler.chunk.question.rule.watches();
+        let counts_turns = self.scheduler.counts_turns();
+        let mut state = LaneState::<N>::load(set, self.scheduler);
+        let (zero, budget) = (state.time.lit(0.0), state.time.lit(adaptive.budget));
         let mut taken = 0;
         loop {
             let trial =
@@ -48,14 +108,15 @@ pub(super) fn run<N: Number, P: TopTest>(
             let next = N::changed(&state.phase, &trial.change);
             let error_squared = trial.error_squared.leading();
             let excess = step_control::excess(&adaptive.control, state.time, error_squared);
-            let clearance = state.clearance::<P>(chunk.question, &pendulum, &next, &trial.bow);
-            let suspicion = clearance.max(excess).smallest();
+            let clearance = state.clearance::<P>(watches, &pendulum, &next, &trial.bow);
             taken += 1;
-            if suspicion <= 0.0 {
-                let before = state;
+            if clearance.max(excess).any_at_most(zero) {
+                self.suspect.before = self.scheduler.rows;
+                state.store_rows(&mut self.suspect.before);
+                clearance.store(&mut self.suspect.clearance);
                 state.advance(&adaptive, &next, excess);
-                lanes.decide::<N, P>([&before, &state], clearance, taken);
-                break;
+                state.store(self.scheduler);
+                return AdaptiveStretchEnd { taken, is_suspect: true };
             }
             if counts_turns {
                 turns::count(&mut state.turns, [&state.phase, &next], excess);
@@ -63,15 +124,12 @@ pub(super) fn run<N: Number, P: TopTest>(
             state.advance(&adaptive, &next, excess);
             state.clearance =
                 Lanes::select(state.clearance.min(clearance), excess, state.clearance);
-            if taken == PATIENCE || state.time.largest() >= adaptive.budget {
-                state.store(&mut lanes.scheduler, taken);
-                break;
+            if taken == PATIENCE || budget.any_at_most(state.time) {
+                state.store(self.scheduler);
+                return AdaptiveStretchEnd { taken, is_suspect: false };
             }
         }
-        finish_slowed(&mut lanes.scheduler, &reduced);
-        finish_those_over(&mut lanes.scheduler, &adaptive);
     }
-    Some(lanes.scheduler.answer)
 }
 
 /// A pendulum at rest, so long before its release that its budget never ends.
@@ -110,13 +168,12 @@ impl<N: Number> LaneState<N> {
     }
 
     #[inline(always)]
-    fn store(&self, scheduler: &mut LaneScheduler, taken: u32) {
+    fn store(&self, scheduler: &mut LaneScheduler) {
         self.store_rows(&mut scheduler.rows);
         self.clearance.store(&mut scheduler.clearance);
         for (turns, row) in self.turns.iter().zip(&mut scheduler.turns) {
             turns.store(row);
         }
-        scheduler.count_steps(taken);
     }
 
     #[inline(always)]
@@ -132,24 +189,39 @@ impl<N: Number> LaneState<N> {
     #[inline(always)]
     fn clearance<P: TopTest>(
         &self,
-        question: &Question,
+        watches: [bool; 2],
         pendulum: &Pendulum<N>,
         next: &Phase<N>,
         bow: &[N; 2],
     ) -> N::Leading {
-        let (before, after) = (pendulum.speeds(&self.phase), pendulum.speeds(next));
+        let speeds = [pendulum.speeds(&self.phase), pendulum.speeds(next)];
         let mut least = self.time.lit(FAR);
-        for &bob in question.rule.watched() {
-            let part = |phase: &Phase<N>| [phase[2 * bob].leading(), phase[2 * bob + 1].leading()];
-            let ([x0, y0], [x1, y1]) = (part(&self.phase), part(next));
-            let rise = [before[bob].leading() * x0, after[bob].leading() * x1];
-            let rise = rise.map(|rise| rise * self.step);
-            let clearance = P::clearance([y0, y1], rise, bow[bob].leading());
-            // Below its pivot a bob is far from the top.
-            let below = x0.min(x1);
-            least = least.min(Lanes::select(clearance, below, least));
+        // Written out: the loop would keep the phases in memory.
+        if watches[0] {
+            least = least.min(self.clearance_of::<P>(0, &speeds, next, bow));
+        }
+        if watches[1] {
+            least = least.min(self.clearance_of::<P>(1, &speeds, next, bow));
         }
         least
+    }
+
+    /// Distance from the top that a bob keeps in the step to `next`; `speeds` are those of both ends.
+    #[inline(always)]
+    fn clearance_of<P: TopTest>(
+        &self,
+        bob: usize,
+        speeds: &[[N; 2]; 2],
+        next: &Phase<N>,
+        bow: &[N; 2],
+    ) -> N::Leading {
+        let part = |phase: &Phase<N>| [phase[2 * bob].leading(), phase[2 * bob + 1].leading()];
+        let ([x0, y0], [x1, y1]) = (part(&self.phase), part(next));
+        let rise = [speeds[0][bob].leading() * x0, speeds[1][bob].leading() * x1];
+        let rise = rise.map(|rise| rise * self.step);
+        let clearance = P::clearance([y0, y1], rise, bow[bob].leading());
+        // Below its pivot a bob is far from the top.
+        Lanes::select(clearance, x0.min(x1), self.time.lit(FAR))
     }
 
     /// Takes the step where `excess` is negative, and chooses the length of the next one in every
@@ -175,26 +247,16 @@ struct AdaptiveLanes<'a> {
 }
 
 impl AdaptiveLanes<'_> {
-    /// Decides a step in which some lane's bob may have been at the top, by its `clearance`: looks
-    /// for the crossing, and finishes the pendulums that made it.
-    #[inline(always)]
-    fn decide<N: Number, P: TopTest>(
-        &mut self,
-        [before, after]: [&LaneState<N>; 2],
-        clearance: N::Leading,
-        taken: u32,
-    ) {
-        let mut bounds = [0.0; MOST_LANES];
-        clearance.store(&mut bounds);
-        let mut rows = self.scheduler.rows;
-        before.store_rows(&mut rows);
-        after.store(&mut self.scheduler, taken);
+    /// Decides a step in which some lane's bob may have been at the top: looks for the crossing, and
+    /// finishes the pendulums that made it.
+    fn decide<P: TopTest>(&mut self, step: &SuspectStep) {
         for lane in self.scheduler.running() {
-            let numbers = rows.map(|row| row[lane]);
+            let numbers = lane_of(&step.before, lane);
             let moved = self.scheduler.rows[TIME][lane] != numbers[TIME]
                 || self.scheduler.rows[TIME_LOW][lane] != numbers[TIME_LOW];
-            if moved && bounds[lane] > 0.0 {
-                self.scheduler.clearance[lane] = self.scheduler.clearance[lane].min(bounds[lane]);
+            let clearance = step.clearance[lane];
+            if moved && clearance > 0.0 {
+                self.scheduler.clearance[lane] = self.scheduler.clearance[lane].min(clearance);
             } else if moved {
                 self.look::<P>(lane, &numbers);
             }
@@ -219,17 +281,21 @@ impl AdaptiveLanes<'_> {
         while let Some((bob, fraction)) = first_pass::<P>(&mut self.scheduler, lane, &step) {
             let time = numbers[TIME] + (numbers[TIME_LOW] + (begun + step.length * fraction));
             let outcome = self.adaptive.outcome_of_pass(time);
-            let top = step.shortened::<P::Pair>(fraction);
+            let top = || step.shortened::<P::Pair>(fraction);
             let from = step.before.phase[2 * bob + 1];
-            let anticlockwise = if from == 0.0 { top.speed[bob] > 0.0 } else { from > 0.0 };
+            let anticlockwise = if from == 0.0 { top().speed[bob] > 0.0 } else { from > 0.0 };
             let over = outcome.status == Status::Unflipped;
             if over || self.scheduler.pass(lane, bob, anticlockwise) {
-                let end = End { time, phase: top.phase, ..self.scheduler.end_of_phase(lane) };
                 // A saved pendulum continues from before the step in which it flips.
                 self.scheduler.put(lane, *numbers);
-                self.scheduler.finish(lane, outcome, end);
+                self.scheduler.finish(lane, outcome, |scheduler| End {
+                    time,
+                    phase: top().phase,
+                    ..scheduler.end_of_phase(lane)
+                });
                 return;
             }
+            let top = top();
             let cleared = height_beyond(&self.reduced, &top, bob);
             self.scheduler.clearance[lane] = self.scheduler.clearance[lane].min(cleared);
             begun += step.length * fraction;
@@ -268,8 +334,8 @@ pub(super) fn finish_those_over(scheduler: &mut LaneScheduler, adaptive: &Adapti
             let failed = scheduler.taken[lane] >= adaptive.most_steps;
             if failed || scheduler.rows[TIME][lane] >= adaptive.budget {
                 let status = if failed { Status::Failed } else { Status::Unflipped };
-                let end = scheduler.end_of_phase(lane);
-                scheduler.finish(lane, Outcome::without_time(status), end);
+                scheduler
+                    .finish(lane, Outcome::without_time(status), |lanes| lanes.end_of_phase(lane));
                 finished = true;
             }
         }

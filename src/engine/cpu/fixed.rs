@@ -2,60 +2,50 @@
 
 use std::f64::consts::TAU;
 
-use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
+use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE, lane_of};
 use super::lanes::{Lanes, MOST_LANES};
 use super::slowed::slowed_lanes;
+use super::stretch::{Stretch, vectorized};
 use crate::engine::pace::Steps;
 use crate::engine::start::{angles_of, whole_turns};
-use crate::engine::{End, NUMBERS, Precision, Question};
+use crate::engine::{End, NUMBERS, Precision};
 use crate::physics::flip::{fraction_of_step, may_pass};
 use crate::physics::integrator::rk4;
 use crate::physics::trig::Turning;
 use crate::physics::{Accumulators, Outcome, Pendulum, State, Status};
 
 /// Runs a chunk in lanes of `L`; `TERMS` terms turn a stage's direction (0: a fresh sine).
-#[inline(always)]
+#[inline(never)]
 pub(super) fn run<L: Lanes, const TERMS: usize>(
     set: L::Set,
     chunk: &Chunk,
     steps: Steps,
 ) -> Option<ChunkResult> {
-    let turning = if TERMS == 0 { Turning::Fresh } else { Turning::Small(TERMS) };
-    let compensated = chunk.config.precision == Precision::F32;
     let (reduced, _) = chunk.question.reduced();
-    let pendulum = reduced.map(|number| L::splat(set, number));
-    let step = L::splat(set, steps.length);
     let mut fixed = FixedStepLanes {
         scheduler: LaneScheduler::new(chunk, L::COUNT, [0.0; NUMBERS]),
         reduced,
         steps,
     };
+    let mut suspect = [[0.0; MOST_LANES]; 6];
     fixed.finish_those_over();
     while fixed.scheduler.is_busy() {
         if fixed.scheduler.is_cancelled() {
             return None;
         }
-        let [mut state, mut rest] = fixed.load::<L>(set);
-        let mut taken = 0;
-        let most = fixed.steps_left().min(PATIENCE);
-        while taken < most {
-            let change = rk4(&pendulum, &state, step, turning);
-            let (next, next_rest) = if compensated {
-                state.plus_with_rest(rest.angle, &change)
-            } else {
-                (state.plus(&change), rest.angle)
-            };
-            if nearest_pass(chunk.question, &state, &next, step) >= PI_BELOW {
-                fixed.store([&state, &rest], taken);
-                fixed.look([&next, &State { angle: next_rest, ..rest }]);
-                taken = u32::MAX;
-                break;
-            }
-            (state, rest.angle) = (next, next_rest);
-            taken += 1;
-        }
-        if taken != u32::MAX {
-            fixed.store([&state, &rest], taken);
+        let stretch = FixedStretch::<TERMS> {
+            pendulum: &reduced,
+            step: steps.length,
+            watches: chunk.question.rule.watches(),
+            compensated: chunk.config.precision == Precision::F32,
+            most: fixed.steps_left().min(PATIENCE),
+            rows: &mut fixed.scheduler.rows,
+            suspect: &mut suspect,
+        };
+        let FixedStretchEnd { taken, is_suspect } = vectorized::<L, _>(set, stretch);
+        fixed.scheduler.count_steps(taken);
+        if is_suspect {
+            fixed.look(&suspect);
         }
         fixed.finish_slowed();
         fixed.finish_those_over();
@@ -63,29 +53,107 @@ pub(super) fn run<L: Lanes, const TERMS: usize>(
     Some(fixed.scheduler.answer)
 }
 
+/// Steps of all lanes until a watched bob may have been at the top.
+struct FixedStretch<'a, const TERMS: usize> {
+    pendulum: &'a Pendulum<f64>,
+    /// Length of a step in reduced units.
+    step: f64,
+    watches: [bool; 2],
+    /// True if the angles' losses to rounding are carried along.
+    compensated: bool,
+    most: u32,
+    /// The lanes' numbers, before the stretch and then after the steps taken.
+    rows: &'a mut [[f64; MOST_LANES]; NUMBERS],
+    /// The lanes' numbers after a step in which a bob may have been at the top.
+    suspect: &'a mut [[f64; MOST_LANES]; 6],
+}
+
+struct FixedStretchEnd {
+    taken: u32,
+    /// True if the step after those taken is to be decided lane by lane.
+    is_suspect: bool,
+}
+
+impl<L: Lanes, const TERMS: usize> Stretch<L> for FixedStretch<'_, TERMS> {
+    type End = FixedStretchEnd;
+
+    #[inline(always)]
+    fn run(self, set: L::Set) -> FixedStretchEnd {
+        let turning = if TERMS == 0 { Turning::Fresh } else { Turning::Small(TERMS) };
+        let pendulum = self.pendulum.map(|number| L::splat(set, number));
+        let (step, top) = (L::splat(set, self.step), L::splat(set, PI_BELOW));
+        let [mut state, mut rest] = load::<L>(set, self.rows);
+        for taken in 0..self.most {
+            let change = rk4(&pendulum, &state, step, turning);
+            let (next, next_rest) = if self.compensated {
+                state.plus_with_rest(rest.angle, &change)
+            } else {
+                (state.plus(&change), rest.angle)
+            };
+            if top.any_at_most(nearest_pass(self.watches, &state, &next, step)) {
+                store([&state, &rest], self.rows);
+                store([&next, &State { angle: next_rest, ..rest }], self.suspect);
+                return FixedStretchEnd { taken, is_suspect: true };
+            }
+            (state, rest.angle) = (next, next_rest);
+        }
+        store([&state, &rest], self.rows);
+        FixedStretchEnd { taken: self.most, is_suspect: false }
+    }
+}
+
+/// The lanes' states from their rows, and what their angles lost to rounding.
+#[inline(always)]
+fn load<L: Lanes>(set: L::Set, rows: &[[f64; MOST_LANES]]) -> [State<L>; 2] {
+    let zero = L::splat(set, 0.0);
+    let angle = [L::load(set, &rows[0]), L::load(set, &rows[1])];
+    let speed = [L::load(set, &rows[2]), L::load(set, &rows[3])];
+    let rest = [L::load(set, &rows[4]), L::load(set, &rows[5])];
+    [State { angle, speed }, State { angle: rest, speed: [zero, zero] }]
+}
+
+/// Stores the lanes' states, and what their angles lost to rounding.
+#[inline(always)]
+fn store<L: Lanes>([state, rest]: [&State<L>; 2], rows: &mut [[f64; MOST_LANES]]) {
+    let numbers = [state.angle, state.speed, rest.angle];
+    for (row, lanes) in rows.iter_mut().zip(numbers.as_flattened()) {
+        lanes.store(row);
+    }
+}
+
 /// The f32 just below π, with which lanes compare; the exact test follows in f64.
 const PI_BELOW: f64 = 3.141_592_5;
 
-/// Largest angle from hanging, in rad, that a watched bob of any lane may have reached in a step
+/// Largest angle from hanging, in rad, that the watched bobs of each lane may have reached in a step
 /// (counterpart: `flip::may_pass`).
 #[inline(always)]
-fn nearest_pass<L: Lanes>(
-    question: &Question,
+fn nearest_pass<L: Lanes>(watches: [bool; 2], before: &State<L>, after: &State<L>, step: L) -> L {
+    let mut nearest = step.lit(0.0);
+    // Written out: the loop would keep the states in memory.
+    if watches[0] {
+        nearest = nearest_pass_of(0, nearest, before, after, step);
+    }
+    if watches[1] {
+        nearest = nearest_pass_of(1, nearest, before, after, step);
+    }
+    nearest
+}
+
+#[inline(always)]
+fn nearest_pass_of<L: Lanes>(
+    bob: usize,
+    nearest: L,
     before: &State<L>,
     after: &State<L>,
     step: L,
-) -> f64 {
-    let mut nearest = before.angle[0].lit(0.0);
-    for &bob in question.rule.watched() {
-        let end = after.angle[bob].abs();
-        let far = before.angle[bob].abs().max(end);
-        let travel = step * before.speed[bob].abs().max(after.speed[bob].abs());
-        // 1e-37 is below any product that matters, and makes 0 negative: at rest a bob may turn
-        // round at once.
-        let turned = before.speed[bob] * after.speed[bob] - nearest.lit(1e-37);
-        nearest = nearest.max(end).max((far + travel).where_negative(turned));
-    }
-    nearest.largest()
+) -> L {
+    let end = after.angle[bob].abs();
+    let far = before.angle[bob].abs().max(end);
+    let travel = step * before.speed[bob].abs().max(after.speed[bob].abs());
+    // 1e-37 is below any product that matters, and makes 0 negative: at rest a bob may turn
+    // round at once.
+    let turned = before.speed[bob] * after.speed[bob] - nearest.lit(1e-37);
+    nearest.max(end).max((far + travel).where_negative(turned))
 }
 
 /// A lane scheduler for fixed steps. Its rows are θ1, θ2, ω1, ω2 and the remainders of the angles.
@@ -96,38 +164,12 @@ struct FixedStepLanes<'a> {
 }
 
 impl FixedStepLanes<'_> {
-    #[inline(always)]
-    fn load<L: Lanes>(&self, set: L::Set) -> [State<L>; 2] {
-        let rows = &self.scheduler.rows;
-        let zero = L::splat(set, 0.0);
-        let angle = [L::load(set, &rows[0]), L::load(set, &rows[1])];
-        let speed = [L::load(set, &rows[2]), L::load(set, &rows[3])];
-        let rest = [L::load(set, &rows[4]), L::load(set, &rows[5])];
-        [State { angle, speed }, State { angle: rest, speed: [zero, zero] }]
-    }
-
-    /// Stores the lanes' state after `taken` steps.
-    #[inline(always)]
-    fn store<L: Lanes>(&mut self, [state, rest]: [&State<L>; 2], taken: u32) {
-        let rows = [state.angle, state.speed, rest.angle];
-        for (row, lanes) in self.scheduler.rows.iter_mut().zip(rows.as_flattened()) {
-            lanes.store(row);
-        }
-        self.scheduler.count_steps(taken);
-    }
-
     /// Decides for each lane whether the step to `next` is a flip; otherwise takes it.
-    #[inline(always)]
-    fn look<L: Lanes>(&mut self, [next, next_rest]: [&State<L>; 2]) {
-        let mut after = [[0.0; MOST_LANES]; 6];
-        let rows = [next.angle, next.speed, next_rest.angle];
-        for (row, lanes) in after.iter_mut().zip(rows.as_flattened()) {
-            lanes.store(row);
-        }
+    fn look(&mut self, next: &[[f64; MOST_LANES]; 6]) {
         for lane in self.scheduler.running() {
-            self.look_at(lane, after.map(|row| row[lane]));
+            self.look_at(lane, lane_of(next, lane));
         }
-        self.scheduler.answer.effort.lane_steps += L::COUNT as u64;
+        self.scheduler.count_lane_steps(1);
     }
 
     fn look_at(&mut self, lane: usize, after: [f64; 6]) {
@@ -138,18 +180,23 @@ impl FixedStepLanes<'_> {
         effort.rhs_evaluations += 4;
         let steps = self.scheduler.taken[lane];
         let (mut from, mut to, mut begun) = (before, exact_after, 0.0);
+        let mut last = None;
         while let Some((bob, share)) = self.first_pass(&from, &to, 1.0 - begun) {
             let fraction = begun + (1.0 - begun) * share;
+            // At the top, rounding can put a bob on either side; it passes once.
+            if last.replace((bob, fraction)) == Some((bob, fraction)) {
+                break;
+            }
             let outcome = self.steps.outcome_of_pass(steps, fraction);
-            let change = rk4(&self.reduced, &before, self.steps.length * fraction, Turning::Fresh);
-            let top = before.plus(&change);
+            let (reduced, length) = (self.reduced, self.steps.length);
+            let top = || before.plus(&rk4(&reduced, &before, length * fraction, Turning::Fresh));
             let anticlockwise = to.angle[bob] > 0.0;
             let over = outcome.status == Status::Unflipped;
             if over || self.scheduler.pass(lane, bob, anticlockwise) {
-                let end = self.end(lane, f64::from(steps) + fraction, &top);
-                self.scheduler.finish(lane, outcome, end);
+                self.finish(lane, outcome, f64::from(steps) + fraction, top);
                 return;
             }
+            let top = top();
             // The bob goes on from the other side of the top.
             let turn = if anticlockwise { -TAU } else { TAU };
             to.angle[bob] += turn;
@@ -209,9 +256,7 @@ impl FixedStepLanes<'_> {
                 let sound = speeds.iter().all(|speed| speed.is_finite());
                 if !sound || self.scheduler.taken[lane] >= self.steps.count {
                     let status = if sound { Status::Unflipped } else { Status::Failed };
-                    let state = exact_state(&self.scheduler.numbers(lane));
-                    let end = self.end(lane, f64::from(self.scheduler.taken[lane]), &state);
-                    self.scheduler.finish(lane, Outcome::without_time(status), end);
+                    self.finish_now(lane, Outcome::without_time(status));
                     finished = true;
                 }
             }
@@ -225,17 +270,32 @@ impl FixedStepLanes<'_> {
     fn finish_slowed(&mut self) {
         let phase = |numbers: &[f64; NUMBERS]| self.reduced.phase(&exact_state(numbers));
         for lane in slowed_lanes(&self.scheduler, &self.reduced, phase) {
-            let state = exact_state(&self.scheduler.numbers(lane));
-            let end = self.end(lane, f64::from(self.scheduler.taken[lane]), &state);
-            self.scheduler.finish(lane, Outcome::without_time(Status::Unflipped), end);
+            self.finish_now(lane, Outcome::without_time(Status::Unflipped));
         }
     }
 
-    fn end(&self, lane: usize, steps: f64, state: &State<f64>) -> End {
-        let phase = self.reduced.phase(state);
-        let (turns, passes) = (state.angle.map(whole_turns), self.scheduler.passes[lane]);
-        let gathered = Accumulators { turns, passes, ..Accumulators::NONE };
-        End { time: steps * self.steps.length, phase, gathered, ..End::NOWHERE }
+    /// Finishes a lane after the steps it has taken.
+    fn finish_now(&mut self, lane: usize, outcome: Outcome) {
+        let (steps, numbers) = (self.scheduler.taken[lane], self.scheduler.numbers(lane));
+        self.finish(lane, outcome, f64::from(steps), || exact_state(&numbers));
+    }
+
+    /// Finishes a lane after `steps` steps, in the state that `state` computes.
+    fn finish(
+        &mut self,
+        lane: usize,
+        outcome: Outcome,
+        steps: f64,
+        state: impl FnOnce() -> State<f64>,
+    ) {
+        let (reduced, length) = (self.reduced, self.steps.length);
+        self.scheduler.finish(lane, outcome, |scheduler| {
+            let state = state();
+            let (turns, passes) = (state.angle.map(whole_turns), scheduler.passes[lane]);
+            let gathered = Accumulators { turns, passes, ..Accumulators::NONE };
+            let phase = reduced.phase(&state);
+            End { time: steps * length, phase, gathered, ..End::NOWHERE }
+        });
     }
 
     /// Number of steps until the first lane's budget is used up.

@@ -31,7 +31,7 @@ use super::lanes::MOST_LANES;
 use crate::engine::pace::Pace;
 use crate::engine::start::{TIME, TIME_LOW, phase_of};
 use crate::engine::{
-    Carried, Effort, End, IntegratorConfig, IntegratorState, Keep, NUMBERS, Question,
+    Carried, Effort, End, Ends, IntegratorConfig, IntegratorState, Keep, NUMBERS, Question,
 };
 use crate::physics::crossing::FAR;
 use crate::physics::{Accumulators, Outcome, Rule, Status};
@@ -52,7 +52,15 @@ pub(super) struct Chunk<'a> {
     pub cancelled: &'a AtomicBool,
 }
 
-/// The result of a chunk: for each start its outcome, last state and end, and the work done.
+impl Chunk<'_> {
+    /// Returns true if ends are computed: for the job's caller, or for the counts in its states.
+    fn keeps_ends(&self) -> bool {
+        self.keep.ends != Ends::None || (self.keep.states && self.question.counts())
+    }
+}
+
+/// The result of a chunk: for each start its outcome, and its last state and end where they are kept; and
+/// the work done.
 #[derive(Default)]
 pub(super) struct ChunkResult {
     /// Outcomes, in the order of the starts.
@@ -94,6 +102,12 @@ pub(super) struct LaneScheduler<'a> {
     busy: usize,
 }
 
+/// The numbers of a lane in rows of all lanes.
+#[inline]
+pub(super) fn lane_of<const N: usize>(rows: &[[f64; MOST_LANES]; N], lane: usize) -> [f64; N] {
+    std::array::from_fn(|i| rows[i][lane])
+}
+
 /// Marks a lane without work in `start`.
 const IDLE: usize = usize::MAX;
 
@@ -101,10 +115,11 @@ impl<'a> LaneScheduler<'a> {
     /// A scheduler of `lanes` lanes with the chunk's first starts; `idle` is the harmless state of
     /// a pendulum in a lane without work.
     pub(super) fn new(chunk: &'a Chunk<'a>, lanes: usize, idle: [f64; NUMBERS]) -> Self {
+        let count = chunk.starts.len();
         let answer = ChunkResult {
-            outcomes: vec![Outcome::without_time(Status::Unflipped); chunk.starts.len()],
-            states: chunk.starts.to_vec(),
-            ends: vec![End::NOWHERE; chunk.starts.len()],
+            outcomes: vec![Outcome::without_time(Status::Unflipped); count],
+            states: if chunk.keep.states { chunk.starts.to_vec() } else { Vec::new() },
+            ends: if chunk.keeps_ends() { vec![End::NOWHERE; count] } else { Vec::new() },
             effort: Effort::default(),
         };
         let mut scheduler = LaneScheduler {
@@ -175,7 +190,7 @@ impl<'a> LaneScheduler<'a> {
 
     /// The state in a lane.
     pub(super) fn numbers(&self, lane: usize) -> [f64; NUMBERS] {
-        self.rows.map(|row| row[lane])
+        lane_of(&self.rows, lane)
     }
 
     /// The lanes that run a pendulum.
@@ -192,6 +207,11 @@ impl<'a> LaneScheduler<'a> {
             self.answer.effort.steps += u64::from(steps);
             self.answer.effort.rhs_evaluations += rhs * u64::from(steps);
         }
+        self.count_lane_steps(steps);
+    }
+
+    /// Counts `steps` steps for which the lanes had room.
+    pub(super) fn count_lane_steps(&mut self, steps: u32) {
         self.answer.effort.lane_steps += u64::from(steps) * self.lanes as u64;
     }
 
@@ -211,17 +231,23 @@ impl<'a> LaneScheduler<'a> {
         }
     }
 
-    /// Records a lane's outcome, state and end, and leaves the lane idle.
-    pub(super) fn finish(&mut self, lane: usize, outcome: Outcome, end: End) {
+    /// Records a lane's outcome, and its end and state where the job keeps them; leaves the lane idle.
+    /// `end` computes the end.
+    pub(super) fn finish(&mut self, lane: usize, outcome: Outcome, end: impl FnOnce(&Self) -> End) {
         let start = std::mem::replace(&mut self.start[lane], IDLE);
         self.answer.outcomes[start] = outcome;
-        self.answer.ends[start] = end;
-        let carries_counts = self.chunk.keep.states && self.chunk.question.counts();
-        self.answer.states[start] = IntegratorState {
-            steps: self.taken[lane],
-            numbers: self.numbers(lane),
-            carried: carries_counts.then(|| Box::new(Carried::Counts(end.gathered))),
-        };
+        let end = self.chunk.keeps_ends().then(|| end(self));
+        if let Some(end) = end {
+            self.answer.ends[start] = end;
+        }
+        if self.chunk.keep.states {
+            let counts = end.filter(|_| self.chunk.question.counts()).map(|end| end.gathered);
+            self.answer.states[start] = IntegratorState {
+                steps: self.taken[lane],
+                numbers: self.numbers(lane),
+                carried: counts.map(|counts| Box::new(Carried::Counts(counts))),
+            };
+        }
         self.put(lane, self.idle);
         self.busy -= 1;
     }

@@ -38,10 +38,10 @@ pub(super) trait Lanes: Rounding + Angle {
     fn rough_exp2(self) -> Self;
     /// `self` where `test` is negative, otherwise 0.
     fn where_negative(self, test: Self) -> Self;
-    /// The largest of the lanes; NaNs may be passed over or not.
-    fn largest(self) -> f64;
-    /// The smallest of the lanes; NaNs may be passed over or not.
-    fn smallest(self) -> f64;
+    /// Returns true if any lane is less than that of `other`.
+    fn any_less(self, other: Self) -> bool;
+    /// Returns true if any lane is at most that of `other`.
+    fn any_at_most(self, other: Self) -> bool;
 }
 
 /// Largest number of lanes in any register.
@@ -50,8 +50,8 @@ pub(super) const MOST_LANES: usize = 16;
 macro_rules! lanes {
     ($name:ident, $float:ident, $register:ident, $count:ident, $magic:expr, $series:expr, $parts:expr,
      $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident, $fma:ident,
-     $abs:ident, $max:ident, $less:ident, $select:ident, $largest:ident,
-     $min:ident, $fused:ident, $smallest:ident, $signed:ident, $magnitude:expr, $mantissa:expr,
+     $abs:ident, $max:ident, $less:ident, $select:ident, $at_most:ident,
+     $min:ident, $fused:ident, $first_true:ident, $signed:ident, $magnitude:expr, $mantissa:expr,
      $bias:expr) => {
         /// A register of this number type.
         #[derive(Clone, Copy, Debug)]
@@ -173,12 +173,12 @@ macro_rules! lanes {
                 Self { lanes: self.set.$select(mask, self.lanes, zero), ..self }
             }
             #[inline(always)]
-            fn largest(self) -> f64 {
-                f64::from(self.set.$largest(self.lanes))
+            fn any_less(self, other: Self) -> bool {
+                self.set.$first_true(self.set.$less(self.lanes, other.lanes)) < Self::COUNT
             }
             #[inline(always)]
-            fn smallest(self) -> f64 {
-                f64::from(self.set.$smallest(self.lanes))
+            fn any_at_most(self, other: Self) -> bool {
+                self.set.$first_true(self.set.$at_most(self.lanes, other.lanes)) < Self::COUNT
             }
         }
     };
@@ -212,10 +212,10 @@ lanes!(
     max_f32s,
     less_than_f32s,
     select_f32s,
-    reduce_max_f32s,
+    less_than_or_equal_f32s,
     min_f32s,
     mul_add_f32s,
-    reduce_min_f32s,
+    first_true_m32s,
     i32,
     0x7fff_ffff,
     8_388_608.0,
@@ -240,10 +240,10 @@ lanes!(
     max_f64s,
     less_than_f64s,
     select_f64s,
-    reduce_max_f64s,
+    less_than_or_equal_f64s,
     min_f64s,
     mul_add_f64s,
-    reduce_min_f64s,
+    first_true_m64s,
     i64,
     0x7fff_ffff_ffff_ffff,
     4_503_599_627_370_496.0,

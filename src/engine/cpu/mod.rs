@@ -16,6 +16,7 @@ mod one_by_one;
 mod pair;
 mod slowed;
 mod step_control;
+mod stretch;
 mod tangents;
 mod taylor;
 mod taylor_pair;

@@ -189,7 +189,9 @@ mod tests {
             let lit = |value| F64Lanes::splat(pulp::Scalar, value);
             let ys = [before, after].map(|at| lit(at.phase[3]));
             let rises = [rise(&before), rise(&after)].map(lit);
-            let by_lanes = OnCubic::<Dop853>::clearance(ys, rises, lit(0.0)).smallest();
+            let mut by_lanes = [0.0];
+            OnCubic::<Dop853>::clearance(ys, rises, lit(0.0)).store(&mut by_lanes);
+            let [by_lanes] = by_lanes;
             let alone = approach(&before, &after, 1, length).clearance;
             assert!(
                 (by_lanes - alone).abs() < 1e-14,

@@ -25,7 +25,8 @@ pub(super) fn slowed_lanes(
 /// Frees those lanes where states are unit vectors and momenta.
 pub(super) fn finish_slowed(scheduler: &mut LaneScheduler, reduced: &Pendulum<f64>) {
     for lane in slowed_lanes(scheduler, reduced, phase_of) {
-        let end = scheduler.end_of_phase(lane);
-        scheduler.finish(lane, Outcome::without_time(Status::Unflipped), end);
+        scheduler.finish(lane, Outcome::without_time(Status::Unflipped), |lanes| {
+            lanes.end_of_phase(lane)
+        });
     }
 }

@@ -1,11 +1,14 @@
 //! Growth: pendulums with the tangents of their motion, a register at a time. All of them last as
 //! long as the budget, so no lane is refilled.
 
+use std::marker::PhantomData;
+
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::Number;
 use super::pair::EmbeddedPair;
 use super::step_control;
+use super::stretch::{Stretch, vectorized};
 use crate::engine::pace::{Adaptive, Pace};
 use crate::engine::start::{STEP, TIME, TIME_LOW, end_with_growth};
 use crate::engine::{Carried, IntegratorState, NUMBERS};
@@ -32,49 +35,64 @@ struct TangentLanes<N: Number> {
 }
 
 /// Runs a chunk in lanes of `N`, with adaptive steps of `P`. Slopes have the digits of the leading part.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn run<N: Number + Narrow<N::Leading>, P: EmbeddedPair>(
     set: <N::Leading as Lanes>::Set,
     chunk: &Chunk,
 ) -> Option<ChunkResult> {
-    let count = <N::Leading as Lanes>::COUNT;
-    let (reduced, unit_secs) = chunk.question.reduced();
-    let exact = chunk.question.reduced_in::<Dd>().0;
-    let end = chunk.question.budget_secs / unit_secs;
-    let mut result = ChunkResult::default();
-    for starts in chunk.starts.chunks(count) {
-        let mut lanes = TangentLanes::<N>::of(set, &exact, starts, end);
-        let mut logs = [0.0; MOST_LANES];
-        for (log, start) in logs.iter_mut().zip(starts) {
-            *log = start.log_scale();
-        }
-        let mut steps = 0;
-        for cuts in [false, true] {
-            lanes.cuts = cuts;
-            while lanes.is_busy() && steps < chunk.pace.most_steps_to_end() {
-                match chunk.pace {
-                    Pace::Adaptive(adaptive) => lanes.step_adaptively::<P>(&adaptive),
-                    Pace::Fixed(_) => lanes.step_fixed(),
-                }
-                steps += 1;
-                if steps % STRETCH == 0 {
-                    if chunk.cancelled.load(std::sync::atomic::Ordering::Relaxed) {
-                        return None;
+    vectorized::<N::Leading, _>(set, TangentRun::<N, P> { chunk, kernel: PhantomData })
+}
+
+struct TangentRun<'a, N, P> {
+    chunk: &'a Chunk<'a>,
+    kernel: PhantomData<(N, P)>,
+}
+
+impl<N: Number + Narrow<N::Leading>, P: EmbeddedPair> Stretch<N::Leading> for TangentRun<'_, N, P> {
+    type End = Option<ChunkResult>;
+
+    #[inline(always)]
+    fn run(self, set: <N::Leading as Lanes>::Set) -> Option<ChunkResult> {
+        let chunk = self.chunk;
+        let count = <N::Leading as Lanes>::COUNT;
+        let (reduced, unit_secs) = chunk.question.reduced();
+        let exact = chunk.question.reduced_in::<Dd>().0;
+        let end = chunk.question.budget_secs / unit_secs;
+        let mut result = ChunkResult::default();
+        for starts in chunk.starts.chunks(count) {
+            let mut lanes = TangentLanes::<N>::of(set, &exact, starts, end);
+            let mut logs = [0.0; MOST_LANES];
+            for (log, start) in logs.iter_mut().zip(starts) {
+                *log = start.log_scale();
+            }
+            let mut steps = 0;
+            for cuts in [false, true] {
+                lanes.cuts = cuts;
+                while lanes.is_busy() && steps < chunk.pace.most_steps_to_end() {
+                    match chunk.pace {
+                        Pace::Adaptive(adaptive) => lanes.step_adaptively::<P>(&adaptive),
+                        Pace::Fixed(_) => lanes.step_fixed(),
                     }
-                    lanes.keep_small(set, &mut logs);
+                    steps += 1;
+                    if steps % STRETCH == 0 {
+                        if chunk.cancelled.load(std::sync::atomic::Ordering::Relaxed) {
+                            return None;
+                        }
+                        lanes.keep_small(set, &mut logs);
+                    }
+                }
+                if !cuts && chunk.keep.states {
+                    result.states.extend(lanes.states(&logs, steps, starts));
                 }
             }
-            if !cuts && chunk.keep.states {
-                result.states.extend(lanes.states(&logs, steps, starts));
-            }
+            let rhs = chunk.config.method.rhs_per_step(chunk.config.precision);
+            result.effort.steps += u64::from(steps) * starts.len() as u64;
+            result.effort.lane_steps += u64::from(steps) * count as u64;
+            result.effort.rhs_evaluations += rhs * u64::from(steps) * starts.len() as u64;
+            lanes.finish(&reduced, &lanes.states(&logs, steps, starts), &mut result);
         }
-        let rhs = chunk.config.method.rhs_per_step(chunk.config.precision);
-        result.effort.steps += u64::from(steps) * starts.len() as u64;
-        result.effort.lane_steps += u64::from(steps) * count as u64;
-        result.effort.rhs_evaluations += rhs * u64::from(steps) * starts.len() as u64;
-        lanes.finish(&reduced, &lanes.states(&logs, steps, starts), &mut result);
+        Some(result)
     }
-    Some(result)
 }
 
 /// Number of steps after which the size of the slopes is checked.
@@ -119,7 +137,7 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
 
     #[inline(always)]
     fn is_busy(&self) -> bool {
-        self.length().largest() > 0.0
+        self.step.lit(0.0).any_less(self.length())
     }
 
     /// Time that is left, not positive where a pendulum is done.

@@ -2,11 +2,14 @@
 //! method for double-double. Crossings of the top are proved on the step's polynomials, not
 //! sampled.
 
+use std::marker::PhantomData;
+
 use super::adaptive::{finish_those_over, idle};
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
 use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
 use super::slowed::finish_slowed;
+use super::stretch::{Stretch, vectorized};
 use super::turns;
 use crate::engine::End;
 use crate::engine::pace::Adaptive;
@@ -21,58 +24,78 @@ use crate::physics::{Dd, Pendulum, Real, Scalar, Status};
 
 /// Runs a chunk in lanes of `N`, with expansions of `M` coefficients; one lane's numbers are
 /// of type `T`, made from the two parts they are stored in.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn run<N: Number, T: Scalar, const M: usize>(
     set: <N::Leading as Lanes>::Set,
     chunk: &Chunk,
     adaptive: Adaptive,
     from_parts: fn(f64, f64) -> T,
 ) -> Option<ChunkResult> {
-    let (reduced, _) = chunk.question.reduced_in::<Dd>();
-    let lanes = |value: f64| [value; MOST_LANES];
-    let pendulum = reduced.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
-    let near = reduced.to_f64();
-    let inverse_scale = near.momentum_scale().map(|scale| 1.0 / scale);
-    let mut scheduler = LaneScheduler::new(chunk, <N::Leading as Lanes>::COUNT, idle());
-    let counts_turns = scheduler.counts_turns();
-    finish_those_over(&mut scheduler, &adaptive);
-    while scheduler.is_busy() {
-        if scheduler.is_cancelled() {
-            return None;
-        }
-        let mut state = TaylorLaneState::<N>::load(set, &scheduler);
-        let mut taken = 0;
-        loop {
-            let series = MotionSeries::<N, M>::expand(&pendulum, &state.phase);
-            let length = step_length(&series, inverse_scale, adaptive.control.start * 0.5);
-            let next = plus(&state.phase, &series.change(N::exactly(length)));
-            let clearance = clearance(chunk, &series, &next, length);
-            taken += 1;
-            if clearance.smallest() <= 0.0 {
-                let step = (&series, &state, length);
-                let how = (&near, &adaptive);
-                let flips = flips_in_step(&mut scheduler, step, clearance, how, from_parts);
-                if flips.iter().any(Option::is_some) {
-                    state.finish_step(&mut scheduler, next, length, taken, flips, &adaptive);
+    vectorized::<N::Leading, _>(
+        set,
+        TaylorRun::<N, T, M> { chunk, adaptive, from_parts, lanes: PhantomData },
+    )
+}
+
+struct TaylorRun<'a, N, T, const M: usize> {
+    chunk: &'a Chunk<'a>,
+    adaptive: Adaptive,
+    from_parts: fn(f64, f64) -> T,
+    lanes: PhantomData<N>,
+}
+
+impl<N: Number, T: Scalar, const M: usize> Stretch<N::Leading> for TaylorRun<'_, N, T, M> {
+    type End = Option<ChunkResult>;
+
+    #[inline(always)]
+    fn run(self, set: <N::Leading as Lanes>::Set) -> Option<ChunkResult> {
+        let TaylorRun { chunk, adaptive, from_parts, .. } = self;
+        let (reduced, _) = chunk.question.reduced_in::<Dd>();
+        let lanes = |value: f64| [value; MOST_LANES];
+        let pendulum = reduced.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
+        let near = reduced.to_f64();
+        let inverse_scale = near.momentum_scale().map(|scale| 1.0 / scale);
+        let mut scheduler = LaneScheduler::new(chunk, <N::Leading as Lanes>::COUNT, idle());
+        let counts_turns = scheduler.counts_turns();
+        finish_those_over(&mut scheduler, &adaptive);
+        while scheduler.is_busy() {
+            if scheduler.is_cancelled() {
+                return None;
+            }
+            let mut state = TaylorLaneState::<N>::load(set, &scheduler);
+            let mut taken = 0;
+            loop {
+                let series = MotionSeries::<N, M>::expand(&pendulum, &state.phase);
+                let length = step_length(&series, inverse_scale, adaptive.control.start * 0.5);
+                let next = plus(&state.phase, &series.change(N::exactly(length)));
+                let clearance = clearance(chunk, &series, &next, length);
+                taken += 1;
+                if clearance.any_at_most(length.lit(0.0)) {
+                    let step = (&series, &state, length);
+                    let how = (&near, &adaptive);
+                    let flips = flips_in_step(&mut scheduler, step, clearance, how, from_parts);
+                    if flips.iter().any(Option::is_some) {
+                        state.finish_step(&mut scheduler, next, length, taken, flips, &adaptive);
+                        break;
+                    }
+                } else {
+                    keep_least(&mut scheduler, clearance);
+                }
+                if counts_turns {
+                    turns::count(&mut state.turns, [&state.phase, &next], -length);
+                }
+                state.advance(next, length);
+                if taken == PATIENCE || state.time.lit(adaptive.budget).any_at_most(state.time) {
+                    state.store(&mut scheduler);
+                    scheduler.count_steps(taken);
                     break;
                 }
-            } else {
-                keep_least(&mut scheduler, clearance);
             }
-            if counts_turns {
-                turns::count(&mut state.turns, [&state.phase, &next], -length);
-            }
-            state.advance(next, length);
-            if taken == PATIENCE || state.time.largest() >= adaptive.budget {
-                state.store(&mut scheduler);
-                scheduler.count_steps(taken);
-                break;
-            }
+            finish_slowed(&mut scheduler, &near);
+            finish_those_over(&mut scheduler, &adaptive);
         }
-        finish_slowed(&mut scheduler, &near);
-        finish_those_over(&mut scheduler, &adaptive);
+        Some(scheduler.answer)
     }
-    Some(scheduler.answer)
 }
 
 /// The step length at which the last two orders promise errors of the tolerance (given by its
@@ -312,8 +335,11 @@ impl<N: Number> TaylorLaneState<N> {
                 let numbers = before.map(|row| row[lane]);
                 scheduler.put(lane, numbers);
                 let time = numbers[TIME] + (numbers[TIME_LOW] + into_step);
-                let end = End { time, phase, ..scheduler.end_of_phase(lane) };
-                scheduler.finish(lane, adaptive.outcome_of_pass(time), end);
+                scheduler.finish(lane, adaptive.outcome_of_pass(time), |lanes| End {
+                    time,
+                    phase,
+                    ..lanes.end_of_phase(lane)
+                });
             }
         }
     }

@@ -1,0 +1,42 @@
+//! Hot loops as functions of their own.
+//!
+//! The program is built for any processor of its kind; only loops over lanes are compiled for the
+//! instruction set that is found at run time. Each such loop is one function, called from code that is
+//! not compiled for that set, so that the compiler cannot put it into another: a function that holds
+//! nothing but its loop keeps the loop's numbers in registers, and aligns those for which there are
+//! none. When all methods were one function, each step read its constants from a stack that was
+//! aligned by chance, mostly across two lines of the cache.
+
+use pulp::{Simd, WithSimd};
+
+use super::lanes::Lanes;
+
+/// A loop over lanes of `L`. The call is always inlined into the function made for it.
+pub(super) trait Stretch<L: Lanes> {
+    /// The loop's result.
+    type End;
+
+    /// Runs the loop.
+    fn run(self, set: L::Set) -> Self::End;
+}
+
+/// Runs a loop in a function of its own, compiled for the instruction set. The caller must be a function
+/// that is never inlined.
+#[inline(always)]
+pub(super) fn vectorized<L: Lanes, T: Stretch<L>>(set: L::Set, stretch: T) -> T::End {
+    set.vectorize(Function::<L, T> { set, stretch })
+}
+
+struct Function<L: Lanes, T> {
+    set: L::Set,
+    stretch: T,
+}
+
+impl<L: Lanes, T: Stretch<L>> WithSimd for Function<L, T> {
+    type Output = T::End;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> T::End {
+        self.stretch.run(self.set)
+    }
+}
