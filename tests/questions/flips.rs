@@ -196,3 +196,25 @@ fn two_bobs_that_pass_in_one_step_are_counted_once_each() {
 fn scene_of_flips() -> Scene {
     scene(Ask::Flip, plane("second", ["-2", "0", "4", "0"]), "9", 8.0)
 }
+
+/// Rounding can put a bob that is exactly at the top on either side of it. When each side counted as a
+/// pass, the count of a start of this picture never ended.
+#[test]
+fn counts_in_fixed_steps_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut render = std::process::Command::new(env!("CARGO_BIN_EXE_flipmap"))
+        .current_dir(&folder)
+        .args(["render", "turns", "--size", "64x48", "--engine", "cpu", "--accuracy", "lesson"])
+        .args(["-o", "turns.png"])
+        .spawn()
+        .unwrap();
+    let begun = std::time::Instant::now();
+    while render.try_wait().unwrap().is_none() {
+        if begun.elapsed() > std::time::Duration::from_secs(120) {
+            render.kill().unwrap();
+            panic!("a second's work has not ended after two minutes");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    assert!(render.wait().unwrap().success());
+}

@@ -27,7 +27,7 @@ pub(super) fn run<L: Lanes, const TERMS: usize>(
         reduced,
         steps,
     };
-    let mut suspect = [[0.0; MOST_LANES]; 6];
+    let mut suspect = SuspectStep { after: [[0.0; MOST_LANES]; 6], nearest: [0.0; MOST_LANES] };
     fixed.finish_those_over();
     while fixed.scheduler.is_busy() {
         if fixed.scheduler.is_cancelled() {
@@ -64,8 +64,15 @@ struct FixedStretch<'a, const TERMS: usize> {
     most: u32,
     /// The lanes' numbers, before the stretch and then after the steps taken.
     rows: &'a mut [[f64; MOST_LANES]; NUMBERS],
-    /// The lanes' numbers after a step in which a bob may have been at the top.
-    suspect: &'a mut [[f64; MOST_LANES]; 6],
+    suspect: &'a mut SuspectStep,
+}
+
+/// A step in which a bob of some lane may have been at the top.
+struct SuspectStep {
+    /// The lanes' numbers after the step.
+    after: [[f64; MOST_LANES]; 6],
+    /// Largest angle from hanging, in rad, that each lane's watched bobs may have reached.
+    nearest: [f64; MOST_LANES],
 }
 
 struct FixedStretchEnd {
@@ -90,9 +97,11 @@ impl<L: Lanes, const TERMS: usize> Stretch<L> for FixedStretch<'_, TERMS> {
             } else {
                 (state.plus(&change), rest.angle)
             };
-            if top.any_at_most(nearest_pass(self.watches, &state, &next, step)) {
+            let nearest = nearest_pass(self.watches, &state, &next, step);
+            if top.any_at_most(nearest) {
                 store([&state, &rest], self.rows);
-                store([&next, &State { angle: next_rest, ..rest }], self.suspect);
+                store([&next, &State { angle: next_rest, ..rest }], &mut self.suspect.after);
+                nearest.store(&mut self.suspect.nearest);
                 return FixedStretchEnd { taken, is_suspect: true };
             }
             (state, rest.angle) = (next, next_rest);
@@ -164,20 +173,26 @@ struct FixedStepLanes<'a> {
 }
 
 impl FixedStepLanes<'_> {
-    /// Decides for each lane whether the step to `next` is a flip; otherwise takes it.
-    fn look(&mut self, next: &[[f64; MOST_LANES]; 6]) {
+    /// Decides a step in those lanes where a bob may have been at the top; takes it in the others.
+    fn look(&mut self, step: &SuspectStep) {
         for lane in self.scheduler.running() {
-            self.look_at(lane, lane_of(next, lane));
+            let effort = &mut self.scheduler.answer.effort;
+            effort.steps += 1;
+            effort.rhs_evaluations += 4;
+            let after = lane_of(&step.after, lane);
+            if step.nearest[lane] >= PI_BELOW {
+                self.look_at(lane, after);
+            } else {
+                self.take(lane, after, [0.0; 2]);
+            }
         }
         self.scheduler.count_lane_steps(1);
     }
 
+    /// Decides the step of a lane, pass by pass.
     fn look_at(&mut self, lane: usize, after: [f64; 6]) {
         let before = exact_state(&self.scheduler.numbers(lane));
         let exact_after = exact_state(&after);
-        let effort = &mut self.scheduler.answer.effort;
-        effort.steps += 1;
-        effort.rhs_evaluations += 4;
         let steps = self.scheduler.taken[lane];
         let (mut from, mut to, mut begun) = (before, exact_after, 0.0);
         let mut last = None;
