@@ -134,8 +134,9 @@ fn pretended_build(folder: &TempDir, name: &str, [small_secs, large_secs]: [f64;
         )
     };
     let (small, large) = (told(small_secs, 200), told(large_secs, 1200));
-    let script =
-        format!("#!/bin/sh\ncase \"$*\" in *256x256*) echo '{small}' ;; *) echo '{large}' ;; esac\n");
+    let script = format!(
+        "#!/bin/sh\ncase \"$*\" in *256x256*) echo '{small}' ;; *) echo '{large}' ;; esac\n"
+    );
     let path = folder.path().join(name);
     fs::write(&path, script).unwrap();
     fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use flipmap::engine::EngineKind;
-use flipmap::engine::choice::{ChoiceError, Chosen, EngineRequest, choose};
+use flipmap::engine::choice::{ChoiceError, EngineRequest};
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::output::number_of;
 use flipmap::question::Channel;
@@ -80,6 +80,7 @@ pub(crate) fn render<'py>(
         adapter: run.adapter.clone(),
         threads: run.threads,
         setting: spec.setting,
+        verify: spec.verify,
         ..EngineRequest::default()
     };
     let request = request.answering(&document.question);
@@ -87,7 +88,8 @@ pub(crate) fn render<'py>(
     let clock = Clock::new(progress, u64::from(size[0]) * u64::from(size[1]));
     let begun = Instant::now();
     let rendered = py.detach(|| {
-        let Chosen { engine, config, .. } = choose(&request, &|_| {}).map_err(choice_error)?;
+        let mut renderer = Renderer::new(&request).map_err(choice_error)?;
+        let (config, engine) = (renderer.config(), renderer.engine());
         let about = format!(
             "{} ({}): {} in {}",
             engine.kind(),
@@ -95,8 +97,6 @@ pub(crate) fn render<'py>(
             config.method.name(),
             config.precision
         );
-        let mut renderer =
-            Renderer::of(engine, config, spec.verify, run.threads).map_err(failed)?;
         let go_on = |counts: &flipmap::tiles::Counts| clock.go_on(counts.pixels);
         let samples = renderer.render_while(&document.scene(), size, &go_on).map_err(failed)?;
         Ok::<_, PyErr>((samples, about))

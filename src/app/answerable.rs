@@ -2,23 +2,27 @@
 //! that computes it, and pixels that numbers can tell apart.
 
 use super::camera::Camera;
+use super::integration::Integration;
 use super::model::AppModel;
 use crate::engine::choice::EngineRequest;
-use crate::engine::{Cells, Ends, EngineKind, IntegratorConfig, Precision};
+use crate::engine::{Cells, EngineKind, IntegratorConfig, Precision};
 use crate::scene::lattice::pitch_rad;
 
 impl AppModel {
-    /// The kind of engine to open: the processor for growth and returns where the card has no f64, because
-    /// their kernels in pairs of f32 take minutes to compile.
-    pub(super) fn engine_kind(&self) -> Option<EngineKind> {
-        let question = &self.state.question;
-        let is_carried = Ends::from(question.ask.kind().needs).are_carried();
+    /// The request for an engine that answers the question as the panels say: by the processor for growth
+    /// and returns where the card has no f64, because their kernels in pairs of f32 take minutes to
+    /// compile.
+    pub(super) fn engine_request(&self) -> EngineRequest {
+        let Integration { kind, spec, .. } = &self.state.integration;
+        let (setting, verify) = (spec.setting, spec.verify);
+        let request = EngineRequest { kind: *kind, setting, verify, ..self.request.clone() };
+        let request = request.answering(&self.state.question);
         let config = self.compute.config();
-        if is_carried && config.is_some_and(|config| config.precision == Precision::Df32) {
-            return Some(EngineKind::Cpu);
+        let is_in_pairs = config.is_some_and(|config| config.precision == Precision::Df32);
+        if request.ends.are_carried() && is_in_pairs {
+            return EngineRequest { kind: Some(EngineKind::Cpu), ..request };
         }
-        let kind = self.state.integration.kind;
-        EngineRequest { kind, ..self.request.clone() }.answering(question).kind
+        request
     }
 
     /// Changes a view in which neighbouring pixels are one number, and says so. Returns true if it

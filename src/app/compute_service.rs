@@ -57,7 +57,6 @@ pub struct ComputeService {
     /// Scheduler of the cells, with all that is known and wanted.
     pub explorer: Explorer,
     request: EngineRequest,
-    verify: bool,
     stage: ServiceState,
     comparison: Comparison,
     /// True if the engine that is being opened only stands in for the fastest one.
@@ -82,13 +81,12 @@ pub struct ServiceUpdate {
 
 impl ComputeService {
     /// Creates the service and begins to open its engine.
-    pub fn new(request: EngineRequest, verify: bool, cache_bytes: usize, wake: Wake) -> Self {
+    pub fn new(request: EngineRequest, cache_bytes: usize, wake: Wake) -> Self {
         let stage = ServiceState::Failed;
         let explorer = Explorer::new(cache_bytes);
         let mut service = ComputeService {
             explorer,
             request,
-            verify,
             stage,
             comparison: Comparison::None,
             stands_in: Arc::default(),
@@ -103,9 +101,8 @@ impl ComputeService {
     }
 
     /// Opens another engine, or reopens the same one. Samples already computed stay.
-    pub fn reopen(&mut self, kind: Option<EngineKind>, setting: IntegrationSetting, verify: bool) {
-        self.request = EngineRequest { kind, setting, ..self.request.clone() };
-        self.verify = verify;
+    pub fn reopen(&mut self, request: EngineRequest) {
+        self.request = request;
         self.failures = 0;
         self.open();
     }
@@ -132,7 +129,7 @@ impl ComputeService {
         &mut self,
         choose: impl FnOnce(EngineRequest) -> EngineRequest + Send + 'static,
     ) -> Option<PendingEngine> {
-        let (request, verify) = (self.request.clone(), self.verify);
+        let request = self.request.clone();
         let (said, waker) = (Arc::new(Mutex::new(String::new())), Arc::clone(&self.wake));
         self.said = Arc::clone(&said);
         let tell = move |text: &str| {
@@ -141,8 +138,7 @@ impl ComputeService {
             waker();
         };
         let wake = Arc::clone(&self.wake);
-        let opening =
-            background::open(move || open(&choose(request), verify, &tell), move || wake());
+        let opening = background::open(move || open(&choose(request), &tell), move || wake());
         opening.inspect_err(|error| log::error!("no thread for the engine: {error}")).ok()
     }
 
@@ -313,18 +309,14 @@ fn waits_for_comparison(request: &EngineRequest) -> bool {
 
 /// Opens an engine for use behind a window: with short slices, and less urgent than the window's
 /// own threads.
-fn open(
-    request: &EngineRequest,
-    verify: bool,
-    tell: &dyn Fn(&str),
-) -> Result<Chosen, choice::ChoiceError> {
+fn open(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, choice::ChoiceError> {
     step_back();
     let tuning = GpuTuning { pace: PACE, at_once: true, ..request.tuning };
     // The whole engine gets a thread of its own here.
-    let request = EngineRequest { tuning, own_thread: false, verify, ..request.clone() };
-    let Chosen { engine, config, why, following } = choice::choose(&request, tell)?;
-    let engine = Renderer::of(engine, config, verify, request.threads)?.into_engine();
-    Ok(Chosen { engine, config, why, following })
+    let request = EngineRequest { tuning, own_thread: false, ..request.clone() };
+    let Chosen { engine, config, why, following, request } = choice::choose(&request, tell)?;
+    let engine = Renderer::of(engine, config, request.verifies(), request.threads)?.into_engine();
+    Ok(Chosen { engine, config, why, following, request })
 }
 
 /// Makes this thread, and those it will start, yield to the threads that draw. On Linux each thread
@@ -380,7 +372,7 @@ mod tests {
         let kind = Some(EngineKind::Cpu);
         let request = EngineRequest { kind, setting, ..EngineRequest::default() };
         let (wake, _woken) = woken();
-        let mut service = ComputeService::new(request, false, 64 << 20, wake);
+        let mut service = ComputeService::new(request, 64 << 20, wake);
         service.stands_in.store(true, Ordering::Release);
         until(&mut service, |service| matches!(service.comparison, Comparison::Due));
         until(&mut service, |service| matches!(service.comparison, Comparison::Running(_)));

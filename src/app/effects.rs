@@ -50,7 +50,6 @@ impl AppModel {
             Effect::KeepFavourite(digit) => self.keep_favourite(digit),
             Effect::Relaunch => self.relaunch(),
             Effect::Reopen => {
-                self.request.setting = self.state.integration.spec.setting;
                 self.reopen();
                 self.relaunch();
             }
@@ -66,15 +65,16 @@ impl AppModel {
 
     /// Opens the engine that the state asks for.
     fn reopen(&mut self) {
-        self.request.kind = self.engine_kind();
-        let spec = &self.state.integration.spec;
-        self.compute.reopen(self.request.kind, spec.setting, spec.verify);
+        self.request = self.engine_request();
+        self.compute.reopen(self.request.clone());
     }
 
     /// Relaunches the pins' flights if the physics has changed; otherwise they continue. Opens
     /// another engine if the question needs one.
     fn relaunch(&mut self) {
-        if self.engine_kind() != self.request.kind {
+        let wanted = self.engine_request();
+        let outgrown = self.compute.config().is_some_and(|config| wanted.outgrows(&config));
+        if wanted.kind != self.request.kind || outgrown {
             self.reopen();
         }
         let wake = Arc::clone(&self.wake);
@@ -206,7 +206,7 @@ impl AppModel {
         };
         let request = ExportRequest { document, size: form.size, path, kind };
         let wake = Arc::clone(&self.wake);
-        self.exports.push(Export::start(request, self.request.clone(), move || wake()));
+        self.exports.push(Export::start(request, self.engine_request(), move || wake()));
     }
 
     /// Returns true, and tells the user, if an export is writing a file already.

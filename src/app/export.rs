@@ -1,24 +1,19 @@
 //! Exports: a view as a picture or as numbers at any size, computed in the background by an engine
 //! of its own, with the same loop and files as `flipmap render`; and films (`film_run.rs`).
 
-use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::film_run::{FilmRequest, FilmRunError, film};
-use crate::engine::choice::{Chosen, EngineRequest, choose};
-use crate::engine::pace::Pace;
+use crate::engine::Cells;
+use crate::engine::choice::{EngineRequest, choose};
 use crate::engine::run_settings::{RunSettingsError, RunSpec};
-use crate::engine::{Cells, Question};
-use crate::output::{
-    Paths, RenderClock, RenderError, Sinks, is_one_file, pass_samples, pass_work, render_pass,
-    sentence,
-};
+use crate::output::{Paths, PictureRecipe, RenderError, Watch, is_one_file, sentence};
 use crate::scene::{Document, DocumentError, RunTable};
-use crate::tiles::{Counts, Renderer};
+use crate::tiles::Renderer;
 
 /// The content of an exported file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -96,7 +91,7 @@ impl Export {
     pub fn start(
         request: ExportRequest,
         engine_request: EngineRequest,
-        wake: impl Fn() + Send + 'static,
+        wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
         Export::spawn(request.path.clone(), wake, move |set, stopped| {
             run(&request, &engine_request, set, stopped)
@@ -107,7 +102,7 @@ impl Export {
     pub fn start_film(
         request: FilmRequest,
         engine_request: EngineRequest,
-        wake: impl Fn() + Send + 'static,
+        wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
         let mut export = Export::spawn(request.path.clone(), wake, move |set, stopped| {
             Ok(film(&request, &engine_request, set, stopped)?)
@@ -120,10 +115,8 @@ impl Export {
     /// one that returns true once it is to stop.
     fn spawn(
         path: PathBuf,
-        wake: impl Fn() + Send + 'static,
-        work: impl FnOnce(&dyn Fn(ExportStage), &(dyn Fn() -> bool + Sync)) -> Result<(), Failure>
-        + Send
-        + 'static,
+        wake: impl Fn() + Send + Sync + 'static,
+        work: impl FnOnce(&Reporter, &Stopped) -> Result<(), Failure> + Send + 'static,
     ) -> Self {
         let stage = Mutex::new(ExportStage::Starting("starting an engine".to_string()));
         let shared = Arc::new(Shared { stage, cancelled: AtomicBool::new(false) });
@@ -218,74 +211,66 @@ impl From<crate::engine::EngineError> for Failure {
     }
 }
 
+/// Called with each stage of an export.
+type Reporter<'a> = dyn Fn(ExportStage) + Sync + 'a;
+/// Returns true once an export is to stop.
+type Stopped<'a> = dyn Fn() -> bool + Sync + 'a;
+
 /// Time between two reports of progress.
 const TICK: Duration = Duration::from_millis(100);
 
 fn run(
     request: &ExportRequest,
     engine_request: &EngineRequest,
-    set: &dyn Fn(ExportStage),
-    stopped: &(dyn Fn() -> bool + Sync),
+    set: &Reporter,
+    stopped: &Stopped,
 ) -> Result<(), Failure> {
     let words = RunTable { size: Some(request.size), ..request.document.run.clone() };
     let RunSpec { setting, verify, table } = RunSpec::resolve(words)?;
-    let engine_request = &EngineRequest { setting, verify, ..engine_request.clone() };
+    let engine_request = EngineRequest { setting, verify, ..engine_request.clone() }
+        .answering(&request.document.question);
     let mut document = Document { run: table, ..request.document.clone() };
     document.check()?;
     document.view = document.view.fitted(request.size.map(f64::from));
     document.picture.check_size(request.size).map_err(DocumentError::from)?;
     document.picture.samples = document.picture.samples_of(request.size);
-    let scene = document.scene();
-    let mut sinks =
-        Sinks::open(&request.paths(), &document, request.size).map_err(RenderError::from)?;
-    let Chosen { engine, config, .. } =
-        choose(engine_request, &|text| set(ExportStage::Starting(text.to_string())))?;
-    let question = Question::from(&scene);
-    if question.build.gravity.value() > 0.0 {
-        Pace::new(&question, &config)?;
-    }
-    let mut renderer = Renderer::of(engine, config, verify, engine_request.threads)?;
-    renderer.second_opinion(&scene, request.size, Cells::Auto, &|| !stopped())?;
-    for pass in sinks.passes(document.picture.samples) {
-        let (what, whither) = ((&document, Cells::Auto), (&mut sinks, &pass));
-        let clock = &mut RenderClock::default();
-        let [middles, own] = pass_samples(&document, request.size, &pass);
-        let heed = Heeding::new(middles + own, (set, stopped));
-        let go_on = |counts: &Counts| heed.go_on(counts.pixels);
-        let mut work = pass_work(&mut renderer, what, request.size, whither, clock, &go_on)?;
-        let mut go_on = |counts: &Counts| heed.go_on(middles + counts.pixels);
-        render_pass(&mut work, renderer.engine(), &mut sinks, &pass, clock, &mut go_on)?;
-    }
-    Ok(sinks.finish().map_err(RenderError::from)?)
+    let (document, paths) = (document.settled(), request.paths());
+    let recipe = PictureRecipe {
+        document: &document,
+        size: request.size,
+        cells: Cells::Auto,
+        paths: &paths,
+    };
+    recipe.check()?;
+    let starting = |text: &str| set(ExportStage::Starting(text.to_string()));
+    let mut renderer = Renderer::try_from(choose(&engine_request, &starting)?)?;
+    recipe.render(&mut renderer, None, &InWindow::new(set, stopped))?;
+    Ok(())
 }
 
-/// A run in progress, which is displayed now and then and can be stopped.
-struct Heeding<'a> {
-    total: f64,
+/// An export in a window, which displays its progress now and then and can stop it.
+struct InWindow<'a> {
     begun: Instant,
-    told: Cell<Option<Instant>>,
-    set: &'a dyn Fn(ExportStage),
-    stopped: &'a (dyn Fn() -> bool + Sync),
+    told: Mutex<Option<Instant>>,
+    set: &'a Reporter<'a>,
+    stopped: &'a Stopped<'a>,
 }
 
-impl<'a> Heeding<'a> {
-    /// Starts at zero of some samples.
-    fn new(
-        samples: u64,
-        (set, stopped): (&'a dyn Fn(ExportStage), &'a (dyn Fn() -> bool + Sync)),
-    ) -> Self {
-        let total = samples as f64;
-        Heeding { total, begun: Instant::now(), told: Cell::new(None), set, stopped }
+impl<'a> InWindow<'a> {
+    fn new(set: &'a Reporter<'a>, stopped: &'a Stopped<'a>) -> Self {
+        InWindow { begun: Instant::now(), told: Mutex::default(), set, stopped }
     }
+}
 
-    /// Displays the number of samples so far; returns false once a stop is asked for.
-    fn go_on(&self, samples: u64) -> bool {
-        if self.told.get().is_none_or(|told| told.elapsed() >= TICK) {
-            self.told.set(Some(Instant::now()));
-            let done = samples as f64;
+impl Watch for InWindow<'_> {
+    fn keep_going(&self, done: u64, total: u64) -> bool {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.is_none_or(|told| told.elapsed() >= TICK) {
+            *told = Some(Instant::now());
+            let done = done as f64;
             let pixels_per_sec = done / self.begun.elapsed().as_secs_f64().max(1e-3);
             let pace = format!("{} pixels/s", thousands(pixels_per_sec));
-            (self.set)(ExportStage::Running { share: done / self.total, pace });
+            (self.set)(ExportStage::Running { share: done / total as f64, pace });
         }
         !(self.stopped)()
     }
@@ -315,7 +300,7 @@ pub(super) fn thousands(count: f64) -> String {
 mod tests {
     use super::*;
     use crate::engine::EngineKind;
-    use crate::scene::BuiltIn;
+    use crate::scene::{BuiltIn, location};
 
     fn request(path: PathBuf) -> ExportRequest {
         let mut document = BuiltIn::named("filigree").unwrap().document();
@@ -363,11 +348,15 @@ mod tests {
         bad.document.picture.cycles = 0.0;
         let mut large = request(path.clone());
         large.size = [2_000_000, 10];
+        let mut narrow = request(path.clone());
+        let counts = "flipmap:center=3,4;width=1e-30;budget=0.1;plane=speeds;ask=flips";
+        narrow.document = narrow.document.with_scene(location::parse(counts).unwrap());
         for (request, words) in [
             (request(nowhere), "none does not exist"),
             (request("/dev/full".into()), "cannot write /dev/full"),
             (bad, "`cycles` is 0"),
             (large, "2000000"),
+            (narrow, "`width` is too small for this plane or question"),
         ] {
             let stage = Export::start(request, fast(), || ()).wait();
             assert!(matches!(&stage, ExportStage::Failed(why) if why.contains(words)), "{stage:?}");

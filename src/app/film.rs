@@ -67,7 +67,7 @@ impl AppModel {
         let (keys, size, fps) = (draft.text(), draft.size, draft.fps);
         let request = FilmRequest { command, keys, size, fps, path };
         let wake = Arc::clone(&self.wake);
-        self.exports.push(Export::start_film(request, self.request.clone(), move || wake()));
+        self.exports.push(Export::start_film(request, self.engine_request(), move || wake()));
         Ok(())
     }
 

@@ -163,9 +163,9 @@ impl AppModel {
             state.notices.fail(problem);
         }
         let cache_bytes = (settings.cache_mib as usize) << 20;
-        let request = EngineRequest { setting, ..options.request.clone() };
+        let request = EngineRequest { setting, verify, ..options.request.clone() };
         let request = request.answering(&document.question);
-        let compute = ComputeService::new(request.clone(), verify, cache_bytes, Arc::clone(&wake));
+        let compute = ComputeService::new(request.clone(), cache_bytes, Arc::clone(&wake));
         let places = Places::load(&options.folders);
         AppModel {
             state,

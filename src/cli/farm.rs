@@ -49,7 +49,6 @@ pub(super) fn compute(
     task: &Task,
     shards: std::ops::RangeInclusive<u32>,
     chosen: Chosen,
-    threads: Option<usize>,
     mode: Mode,
 ) -> anyhow::Result<Option<Parts>> {
     let mut parts = scan(task)?;
@@ -61,8 +60,8 @@ pub(super) fn compute(
         return Ok(Some(parts));
     }
     drop(parts);
-    let Chosen { engine, config, following, .. } = chosen;
-    let mut renderer = Renderer::of(engine, config, task.plan.verify, threads)?;
+    let following = chosen.following.clone();
+    let mut renderer = Renderer::try_from(chosen)?;
     super::tell(&format!(
         "flipmap: {total} of {} samples to compute, {} engine, {} {} in {}",
         task.samples(),

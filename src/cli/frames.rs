@@ -28,12 +28,12 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     stop::listen()?;
     let size = film.size.map(|side| side * document.picture.samples.along());
     check_film(film, size, chosen.config)?;
-    let threads = options.film.run.engine.threads();
-    let mut renderer = Renderer::of(chosen.engine, chosen.config, spec.verify, threads)?;
+    let mut renderer = Renderer::try_from(chosen)?;
+    let config = renderer.config();
     let mut sink = FilmSink::open(&options.output, film, &document)?;
-    let mut moments = Moments::can_make(film, spec.verify, &chosen.config).then(|| {
+    let mut moments = Moments::can_make(film, spec.verify, &config).then(|| {
         let job_size = renderer.engine().job_size();
-        Moments::new(&film.shot(0).scene, size, chosen.config, job_size)
+        Moments::new(&film.shot(0).scene, size, config, job_size)
     });
     let mut progress = Progress::of(options.progress, u64::from(film.frames), "frames");
     for frame in 0..film.frames {

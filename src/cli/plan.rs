@@ -162,7 +162,7 @@ pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
         format!("the plan is for the {engine} engine; choose another with --engine and --adapter")
     })?;
     stop::listen()?;
-    farm::compute(&task, shards, chosen, options.engine.threads(), options.progress)?;
+    farm::compute(&task, shards, chosen, options.progress)?;
     Ok(())
 }
 

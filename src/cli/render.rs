@@ -1,19 +1,19 @@
 //! `flipmap render`: renders a scene as a picture, tiles of one, arrays of flip times, a map of
 //! trust, or all of them.
 
-use std::cell::RefCell;
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use flipmap::engine::choice::{Chosen, IntegrationSetting};
+use flipmap::engine::choice::IntegrationSetting;
 use flipmap::engine::depth::Following;
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
-use flipmap::output::{RenderClock, RenderError, Sinks, pass_samples, pass_work, render_pass};
+use flipmap::output::{PictureRecipe, RenderError, RenderedPicture, Watch};
 use flipmap::scene::{Document, Grid, Sampling, Scene};
-use flipmap::tiles::{self, Counts, Renderer};
+use flipmap::tiles::{self, Counts, Renderer, SavedPixels};
 
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
@@ -64,44 +64,34 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(continued) = &continued {
         request = continued.prefer_engine(request);
     }
-    let Chosen { mut engine, config, why, following } = start(&request)?;
+    let mut chosen = start(&request)?;
+    let (config, why, following) = (chosen.config, chosen.why.clone(), chosen.following.clone());
     stop::listen()?;
     check_numbers(&scene, spec.size(), config, options.cells)?;
     if let Some(continued) = &mut continued {
-        continued.check_ran(engine.as_ref(), config)?;
+        continued.check_ran(chosen.engine.as_ref(), config)?;
     }
     if options.picture.spreads(&document) {
-        spread(&mut document, spec.size(), config, engine.as_mut())?;
+        spread(&mut document, spec.size(), config, chosen.engine.as_mut())?;
     }
-    let mut sinks = Sinks::open(&paths, &document, spec.size())?;
-    let mut renderer = Renderer::of(engine, config, spec.verify, options.run.engine.threads())?;
-    let opinion =
-        renderer.second_opinion(&scene, spec.size(), options.cells, &|| !stop::asked())?;
+    let recipe = PictureRecipe {
+        document: &document,
+        size: spec.size(),
+        cells: options.cells,
+        paths: &paths,
+    };
+    let mut renderer = Renderer::try_from(chosen)?;
     announce(renderer.engine(), config, spec.verify, &why);
-
-    let (setup, mut clock) = (begun.elapsed(), RenderClock::default());
-    let mut counts = Counts::default();
-    for pass in sinks.passes(document.picture.samples) {
-        let [middles, own] = pass_samples(&document, spec.size(), &pass);
-        let heed = Heeding::new(options.progress, middles + own, &following);
-        let (what, whither) = ((&document, options.cells), (&mut sinks, &pass));
-        let go_on = |counts: &Counts| heed.go_on(counts.pixels);
-        let work = pass_work(&mut renderer, what, spec.size(), whither, &mut clock, &go_on);
-        let mut work = work.or_else(interrupted)?;
-        if let Some(continued) = &mut continued {
-            work = work.keeping(continued.take());
-        }
-        let mut go_on = |counts: &Counts| heed.go_on(middles + counts.pixels);
-        render_pass(&mut work, renderer.engine(), &mut sinks, &pass, &mut clock, &mut go_on)
-            .or_else(interrupted)?;
-        counts += work.totals();
-        if let (Some(continued), Some(kept)) = (&mut continued, work.into_kept()) {
-            continued.put(kept);
-        }
-    }
+    let preparing = begun.elapsed();
+    let watch = CommandLine { mode: options.progress, progress: Mutex::default(), following };
+    let saved = continued.as_mut().map(Continued::take);
+    let rendered = recipe.render(&mut renderer, saved, &watch).or_else(interrupted)?;
+    drop(watch);
+    let RenderedPicture { counts, opinion, mut clock, saved } = rendered;
     let outlook = outlook(&spec, &scene, (config, options.cells), renderer.engine())?;
-    clock.output += finish(sinks, continued)?;
-    let seconds = [setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
+    clock.output += write_state(continued, saved)?;
+    let seconds =
+        [preparing + clock.setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
     let (engine, verified) = (renderer.engine(), spec.verify);
     let ran = RunSummary { engine, config, verified, outlook, opinion, counts, seconds };
     if options.json {
@@ -111,21 +101,19 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A run in progress, which is displayed and can be stopped.
-struct Heeding<'a> {
-    progress: RefCell<Progress>,
-    following: &'a Following,
+/// A run on the command line: displayed as the user asked, stopped by signals.
+struct CommandLine {
+    mode: Mode,
+    progress: Mutex<Option<Progress>>,
+    following: Following,
 }
 
-impl<'a> Heeding<'a> {
-    /// Starts at zero of some samples.
-    fn new(mode: Mode, samples: u64, following: &'a Following) -> Self {
-        Heeding { progress: RefCell::new(Progress::new(mode, samples)), following }
-    }
-
-    /// Displays the number of samples so far; returns false once a stop is asked for.
-    fn go_on(&self, samples: u64) -> bool {
-        self.progress.borrow_mut().set(samples, self.following.words());
+impl Watch for CommandLine {
+    fn keep_going(&self, done: u64, total: u64) -> bool {
+        // A thread that panicked while it held the lock left a display behind, nothing else.
+        let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
+        let progress = progress.get_or_insert_with(|| Progress::new(self.mode, total));
+        progress.set(done, self.following.words());
         !stop::asked()
     }
 }
@@ -146,14 +134,17 @@ fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Docume
     Ok((document.settled(), spec))
 }
 
-/// Completes all files and returns the time it took.
-fn finish(sinks: Sinks, continued: Option<Continued>) -> anyhow::Result<Duration> {
-    let finishing = Instant::now();
-    sinks.finish()?;
-    if let Some(continued) = continued {
+/// Writes the state, if there is one, and returns the time it took.
+fn write_state(
+    continued: Option<Continued>,
+    saved: Option<SavedPixels>,
+) -> anyhow::Result<Duration> {
+    let writing = Instant::now();
+    if let Some(mut continued) = continued {
+        continued.put(saved.unwrap_or_default());
         continued.write()?;
     }
-    Ok(finishing.elapsed())
+    Ok(writing.elapsed())
 }
 
 /// Estimates how much of a picture is right if `balanced` made it without checks.

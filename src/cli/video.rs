@@ -68,8 +68,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let chosen = start(&request)?;
     let task = planned(film, spec.verify, &chosen, &path)?;
     stop::listen()?;
-    let threads = options.film.run.engine.threads();
-    let parts = match farm::compute(&task, 1..=1, chosen, threads, options.progress)? {
+    let parts = match farm::compute(&task, 1..=1, chosen, options.progress)? {
         Some(parts) => parts,
         None => farm::complete(&task, &path)?,
     };

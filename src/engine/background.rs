@@ -85,7 +85,7 @@ pub fn open(
                 wake();
             }
             Ok(chosen) => {
-                let Chosen { mut engine, config, why, following } = chosen;
+                let Chosen { mut engine, config, why, following, .. } = chosen;
                 let opened_for = config;
                 let offered = Box::new(move |config: &IntegratorConfig| *config == opened_for);
                 let words = (why, config, following);
@@ -308,6 +308,7 @@ impl Engine for Background {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::engine::choice::EngineRequest;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Keep, Method, Precision, Question, Starts};
     use crate::physics::{Dd, Rule};
@@ -316,7 +317,8 @@ mod tests {
     fn chosen(engine: MockEngine) -> Result<Chosen, ChoiceError> {
         let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
         let (why, following) = ("a test".to_string(), Following::default());
-        Ok(Chosen { engine: Box::new(engine), config, why, following })
+        let request = EngineRequest::default();
+        Ok(Chosen { engine: Box::new(engine), config, why, following, request })
     }
 
     fn background(engine: fn() -> MockEngine) -> Background {

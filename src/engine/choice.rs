@@ -27,8 +27,7 @@ pub struct EngineRequest {
     pub setting: IntegrationSetting,
     /// The ends that the configuration has to compute, if any configuration of the level can.
     pub ends: Ends,
-    /// True if answers will be checked: the kernel of the checks is judged before, and an adapter on
-    /// which it fails leaves them to the processor.
+    /// True if answers will be checked at levels other than `exact`, too (see [`EngineRequest::verifies`]).
     pub verify: bool,
     /// Settings of an adapter that change no answer.
     pub tuning: GpuTuning,
@@ -46,6 +45,19 @@ impl EngineRequest {
         let is_named = self.kind.is_some() || self.adapter.is_some();
         let kind = if ends.are_carried() && !is_named { Some(EngineKind::Cpu) } else { self.kind };
         EngineRequest { kind, ends, ..self }
+    }
+
+    /// Returns true if answers will be checked: the kernel of the checks is judged before, and an adapter
+    /// on which it fails leaves them to the processor.
+    pub fn verifies(&self) -> bool {
+        self.verify || self.setting == IntegrationSetting::Accuracy(Accuracy::Exact)
+    }
+
+    /// Returns true if a configuration of another request cannot compute this one's ends, but one that
+    /// satisfies this request can.
+    pub fn outgrows(&self, config: &IntegratorConfig) -> bool {
+        let can = |config: &IntegratorConfig| self.ends.check(config).is_ok();
+        !can(config) && self.configs().iter().any(can)
     }
 
     /// The configurations that satisfy the setting and compute the ends, the preferred one first;
@@ -129,6 +141,8 @@ pub struct Chosen {
     pub why: String,
     /// Progress in following the middle of a deep view.
     pub following: Following,
+    /// The request that was met.
+    pub request: EngineRequest,
 }
 
 /// Advice for Debian when there is no adapter.
@@ -145,7 +159,7 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
     };
     let engine = DepthEngine::new(chosen.engine, threads_beside(request.threads))?
         .telling(chosen.following.clone());
-    Ok(Chosen { engine: Box::new(engine), ..chosen })
+    Ok(Chosen { engine: Box::new(engine), request: request.clone(), ..chosen })
 }
 
 /// Chooses the fastest engine of the profile. Adapters are not even opened where only the processor
@@ -174,7 +188,8 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
         }
         config => config,
     };
-    let request = EngineRequest { adapter: Some(row.adapter.clone()), setting, ..request.clone() };
+    let (adapter, verify) = (Some(row.adapter.clone()), request.verifies());
+    let request = EngineRequest { adapter, setting, verify, ..request.clone() };
     match first_sound(&request)? {
         Ok(chosen) => Ok(Chosen { why, ..chosen }),
         Err(why) => cpu(&request, why),
@@ -209,7 +224,8 @@ fn cpu(request: &EngineRequest, why: String) -> Result<Chosen, ChoiceError> {
     let config = configs.iter().find(|config| CpuEngine::offers(config)).unwrap_or(&configs[0]);
     CpuEngine::require(config)?;
     let engine = Box::new(CpuEngine::new(request.threads)?);
-    Ok(Chosen { engine, config: *config, why, following: Following::default() })
+    let following = Following::default();
+    Ok(Chosen { engine, config: *config, why, following, request: request.clone() })
 }
 
 /// Opens the first adapter that matches and is trusted with the setting; otherwise returns the
@@ -235,13 +251,14 @@ fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, Choice
         let configs = configs_on(&adapter, request, profile.as_ref());
         match sound(&adapter, request, configs) {
             Ok((mut engine, config)) => {
-                if request.verify && engine.checks_by(&FINEST) {
+                if request.verifies() && engine.checks_by(&FINEST) {
                     engine.check_orbits(&FINEST)?;
                 }
                 let why = format!("{} passed the self-check", engine.adapter());
                 let engine = served(engine, request, config, &why)?;
                 let following = Following::default();
-                return Ok(Ok(Chosen { engine, config, why, following }));
+                let request = request.clone();
+                return Ok(Ok(Chosen { engine, config, why, following, request }));
             }
             Err(why) => failures.push(format!("{}: {why}", describe(&adapter))),
         }
@@ -338,5 +355,24 @@ mod tests {
         }
         assert_eq!(request(Ask::Return).configs(), Accuracy::Balanced.configs());
         assert_eq!(request(Ask::Growth).configs(), [Accuracy::Balanced.configs()[0]]);
+        // A window that showed flips in pairs of f32 needs another engine for growth.
+        for config in Accuracy::Balanced.configs() {
+            let is_first = config == Accuracy::Balanced.configs()[0];
+            assert_eq!(request(Ask::Growth).outgrows(&config), !is_first);
+            assert!(!request(Ask::Flip).outgrows(&config));
+        }
+    }
+
+    /// However it is asked for: from the library, Python, a plan or a window.
+    #[test]
+    fn exact_is_verified() {
+        let request = |accuracy, verify| {
+            let setting = IntegrationSetting::Accuracy(accuracy);
+            let (kind, threads) = (Some(EngineKind::Cpu), Some(1));
+            EngineRequest { kind, threads, setting, verify, ..EngineRequest::default() }
+        };
+        assert!(request(Accuracy::Exact, false).verifies());
+        assert!(request(Accuracy::Fast, true).verifies());
+        assert!(!request(Accuracy::Balanced, false).verifies());
     }
 }

@@ -22,6 +22,8 @@ use crate::tiles::{Counts, PlainPixels, Renderer, Samples, Work};
 /// Time spent on a render.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RenderClock {
+    /// Time spent before the first sample: on checks, and on pixels that are integrated directly.
+    pub setup: Duration,
     /// Time spent on computing samples.
     pub compute: Duration,
     /// Time spent on painting and writing them, most of it meanwhile.

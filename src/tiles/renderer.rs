@@ -2,10 +2,10 @@
 
 use super::preview::preview;
 use super::{Counts, Samples, Work, check_feasible, opinion};
-use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
+use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, choose};
 use crate::engine::threads::threads_beside;
 use crate::engine::trust::{Opinion, TrustEngine};
-use crate::engine::{Accuracy, Cells, Engine, EngineError, IntegratorConfig};
+use crate::engine::{Cells, Engine, EngineError, IntegratorConfig};
 use crate::scene::{Sampling, Scene};
 
 /// Renders scenes to arrays of samples, one engine for all of them.
@@ -22,26 +22,35 @@ use crate::scene::{Sampling, Scene};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Renderer {
-    engine: Maker,
+    engine: MaybeChecked,
     config: IntegratorConfig,
     counts: Counts,
 }
 
 /// The engine, with checks or without.
-enum Maker {
+enum MaybeChecked {
     Unchecked(Box<dyn Engine>),
     Checked(Box<TrustEngine<'static>>),
 }
 
+/// Renders by a chosen engine, with checks where its request has them.
+impl TryFrom<Chosen> for Renderer {
+    type Error = EngineError;
+
+    fn try_from(chosen: Chosen) -> Result<Self, EngineError> {
+        let Chosen { engine, config, request, .. } = chosen;
+        Renderer::of(engine, config, request.verifies(), request.threads)
+    }
+}
+
 impl Renderer {
-    /// Chooses and starts the engine of a request. Pixels are checked at the level `exact`.
+    /// Chooses and starts the engine of a request. Pixels are checked at the level `exact`, and where the
+    /// request says so.
     pub fn new(request: &EngineRequest) -> Result<Self, ChoiceError> {
-        let exact = request.setting == IntegrationSetting::Accuracy(Accuracy::Exact);
-        let Chosen { engine, config, .. } = choose(request, &|_| {})?;
-        Ok(Renderer::of(engine, config, exact, request.threads)?)
+        Ok(Renderer::try_from(choose(request, &|_| {})?)?)
     }
 
-    /// Renders by a chosen engine; with `verify` every pixel is checked, on `threads` threads of
+    /// Renders by an engine of one's own; with `verify` every pixel is checked, on `threads` threads of
     /// the processor or on one for each core.
     pub fn of(
         engine: Box<dyn Engine>,
@@ -50,9 +59,9 @@ impl Renderer {
         threads: Option<usize>,
     ) -> Result<Self, EngineError> {
         let engine = if verify {
-            Maker::Checked(Box::new(TrustEngine::new(engine, threads_beside(threads))?))
+            MaybeChecked::Checked(Box::new(TrustEngine::new(engine, threads_beside(threads))?))
         } else {
-            Maker::Unchecked(engine)
+            MaybeChecked::Unchecked(engine)
         };
         Ok(Renderer { engine, config, counts: Counts::default() })
     }
@@ -70,16 +79,16 @@ impl Renderer {
     /// The engine, with its checks if there are any.
     pub fn engine(&mut self) -> &mut dyn Engine {
         match &mut self.engine {
-            Maker::Unchecked(engine) => engine.as_mut(),
-            Maker::Checked(engine) => engine.as_mut(),
+            MaybeChecked::Unchecked(engine) => engine.as_mut(),
+            MaybeChecked::Checked(engine) => engine.as_mut(),
         }
     }
 
     /// The engine alone, for a loop of its own.
     pub fn into_engine(self) -> Box<dyn Engine> {
         match self.engine {
-            Maker::Unchecked(engine) => engine,
-            Maker::Checked(engine) => engine,
+            MaybeChecked::Unchecked(engine) => engine,
+            MaybeChecked::Checked(engine) => engine,
         }
     }
 
@@ -92,8 +101,10 @@ impl Renderer {
         go_on: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Opinion>, EngineError> {
         match &mut self.engine {
-            Maker::Unchecked(_) => Ok(None),
-            Maker::Checked(engine) => opinion(scene, size, (self.config, cells), engine, go_on),
+            MaybeChecked::Unchecked(_) => Ok(None),
+            MaybeChecked::Checked(engine) => {
+                opinion(scene, size, (self.config, cells), engine, go_on)
+            }
         }
     }
 

@@ -109,9 +109,7 @@ fn made(request: &EngineRequest) -> Result<Option<Renderer>, ChoiceError> {
     let is_refused = |config: &IntegratorConfig| request.ends.check(config).is_err();
     match choose(request, &|_| {}) {
         Ok(Chosen { config, .. }) if is_refused(&config) => Ok(None),
-        Ok(Chosen { engine, config, .. }) => {
-            Ok(Some(Renderer::of(engine, config, true, request.threads)?))
-        }
+        Ok(chosen) => Ok(Some(Renderer::try_from(chosen)?)),
         // No adapter, or none that is trusted with it.
         Err(ChoiceError::NoAdapter(_) | ChoiceError::Engine(_)) => Ok(None),
         Err(error) => Err(error),

@@ -1,0 +1,114 @@
+//! The recipe of a picture: the one way from a document to files. The command line and the window's
+//! exports call it; what they add is how an engine is asked for and how progress is displayed.
+
+use std::time::Instant;
+
+use super::render::{pass_samples, pass_work, render_pass};
+use super::{OutputError, Paths, RenderClock, RenderError, SinkPass, Sinks};
+use crate::engine::trust::Opinion;
+use crate::engine::{Cells, EngineError, IntegratorConfig};
+use crate::scene::{Document, SceneError};
+use crate::tiles::{Counts, Renderer, SavedPixels, check_feasible};
+
+/// Progress and cancellation of a long computation.
+pub trait Watch: Sync {
+    /// Hears that `done` of `total` samples are computed, at least every few hundredths of a second;
+    /// returns false to stop.
+    fn keep_going(&self, done: u64, total: u64) -> bool;
+}
+
+/// A picture to be made.
+pub struct PictureRecipe<'a> {
+    /// Scene and colours, checked and settled, with a view fitted to the size.
+    pub document: &'a Document,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Whether pixels are followed as cells first.
+    pub cells: Cells,
+    /// Files to write.
+    pub paths: &'a Paths,
+}
+
+/// A picture that was made.
+#[derive(Default)]
+pub struct RenderedPicture {
+    /// Counts of all passes.
+    pub counts: Counts,
+    /// The result of integrating some of its pixels directly, where pixels of a deep view are checked.
+    pub opinion: Option<Opinion>,
+    /// Where the time went.
+    pub clock: RenderClock,
+    /// Pixels that a later render can resume, if it was asked to save them.
+    pub saved: Option<SavedPixels>,
+}
+
+impl PictureRecipe<'_> {
+    /// Refuses colours, sizes and files that cannot be had, before an engine is started.
+    pub fn check(&self) -> Result<(), RenderError> {
+        let check = |checked: Result<(), SceneError>| checked.map_err(OutputError::from);
+        check(self.document.picture.check())?;
+        check(self.document.picture.check_size(self.size))?;
+        Ok(self.paths.check(&self.document.picture)?)
+    }
+
+    /// Refuses what cannot be computed with a configuration.
+    pub fn check_feasible(&self, config: &IntegratorConfig) -> Result<(), EngineError> {
+        check_feasible(&self.document.scene(), self.size, config, self.cells)
+    }
+
+    /// Computes the samples, paints them and completes the files. With `saved`, pixels that an earlier
+    /// render saved are resumed and the others saved.
+    pub fn render(
+        &self,
+        renderer: &mut Renderer,
+        mut saved: Option<SavedPixels>,
+        watch: &dyn Watch,
+    ) -> Result<RenderedPicture, RenderError> {
+        let beginning = Instant::now();
+        self.check_feasible(&renderer.config())?;
+        let mut sinks = Sinks::open(self.paths, self.document, self.size)?;
+        let passes = sinks.passes(self.document.picture.samples);
+        let samples = |pass: &SinkPass| pass_samples(self.document, self.size, pass);
+        let total = passes.iter().flat_map(samples).sum();
+        let scene = self.document.scene();
+        let keep_going = || watch.keep_going(0, total);
+        let opinion = renderer.second_opinion(&scene, self.size, self.cells, &keep_going)?;
+        let mut rendered = RenderedPicture { opinion, ..RenderedPicture::default() };
+        rendered.clock.setup = beginning.elapsed();
+        let mut done = 0;
+        for pass in &passes {
+            let at = |samples: u64| watch.keep_going(done + samples, total);
+            let done_after = done + samples(pass).iter().sum::<u64>();
+            self.run_pass(renderer, (&mut sinks, pass), &mut saved, &mut rendered, &at)?;
+            done = done_after;
+        }
+        let finishing = Instant::now();
+        sinks.finish()?;
+        rendered.clock.output += finishing.elapsed();
+        Ok(rendered)
+    }
+
+    /// Runs one pass; `keep_going` takes its samples so far.
+    fn run_pass(
+        &self,
+        renderer: &mut Renderer,
+        (sinks, pass): (&mut Sinks, &SinkPass),
+        saved: &mut Option<SavedPixels>,
+        rendered: &mut RenderedPicture,
+        keep_going: &dyn Fn(u64) -> bool,
+    ) -> Result<(), RenderError> {
+        let [middles, _] = pass_samples(self.document, self.size, pass);
+        let clock = &mut rendered.clock;
+        let what = (self.document, self.cells);
+        let in_middles = |counts: &Counts| keep_going(counts.pixels);
+        let mut work = pass_work(renderer, what, self.size, (sinks, pass), clock, &in_middles)?;
+        if let Some(saved) = saved.take() {
+            work = work.keeping(saved);
+        }
+        let mut go_on = |counts: &Counts| keep_going(middles + counts.pixels);
+        render_pass(&mut work, renderer.engine(), sinks, pass, clock, &mut go_on)?;
+        rendered.counts += work.totals();
+        rendered.saved = work.into_kept().or(rendered.saved.take());
+        Ok(())
+    }
+}
