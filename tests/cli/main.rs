@@ -1,6 +1,17 @@
 //! The program through the command line: files, exit codes, one clear sentence for each mistake.
 
+mod compare;
+mod giant;
 mod mistakes;
+mod pictures;
+#[path = "../common/program.rs"]
+mod program;
+mod report;
+mod safety;
+mod sampling;
+mod state;
+mod trace;
+mod video;
 mod words;
 
 use std::fs;

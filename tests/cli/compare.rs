@@ -1,12 +1,10 @@
 //! `flipmap compare`: its report on two results, and its exit code.
 
-#[path = "common/program.rs"]
-mod program;
 
 use std::fs;
 use std::process::Stdio;
 
-use program::*;
+use crate::program::*;
 
 #[test]
 fn results_are_compared_and_too_much_difference_is_code_3() {

@@ -1,8 +1,5 @@
 //! The pendulum panel: its appearance, and its use by control names and keyboard.
 
-#[macro_use]
-#[path = "common/adapter.rs"]
-mod adapter;
 
 use std::time::{Duration, Instant};
 

@@ -6,11 +6,10 @@
 //! `target/goldens`, also when a golden is missing, which fails the test.
 //! `FLIPMAP_UPDATE_GOLDENS=1` replaces the goldens.
 
-mod common;
 
 use std::path::{Path, PathBuf};
 
-use common::*;
+use crate::common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{Engine, Precision};
 use flipmap::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};

@@ -1,12 +1,9 @@
 //! The panels for the scene, colours, exports and places: their appearance, and their use by
 //! control names and keyboard.
 
-#[macro_use]
-#[path = "common/adapter.rs"]
-mod adapter;
-#[path = "panels_side/colours.rs"]
+#[path = "side/colours.rs"]
 mod colour_tests;
-#[path = "panels_side/film.rs"]
+#[path = "side/film.rs"]
 mod film_tests;
 
 use egui::{Key, Role, Theme, Ui};

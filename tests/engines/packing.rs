@@ -1,11 +1,7 @@
 //! Outcomes that a card packs before they are read back.
 
-#[macro_use]
-#[path = "common/adapter.rs"]
-mod adapter;
-mod common;
 
-use common::*;
+use crate::common::*;
 use flipmap::engine::gpu::GpuEngine;
 use flipmap::engine::{
     Engine, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Method, Precision, Question,

@@ -1,8 +1,6 @@
 //! Every kernel can be translated to the language of every kind of driver. scripts/kernels, which names
 //! a folder in FLIPMAP_KERNELS, finds all translations there afterwards.
 
-#[path = "common/shader_structs.rs"]
-mod shader_structs;
 
 use std::fs;
 use std::mem::offset_of;
@@ -20,7 +18,7 @@ use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
-use shader_structs::members;
+use crate::shader_structs::members;
 
 /// The number types by name, with the way in which pairs are computed.
 const NUMBERS: [(&str, Precision, Pairs); 6] = [

@@ -1,15 +1,13 @@
 //! Pictures other than PNG: pyramids, images that cannot be written from front to back, formats by
 //! name, and light from the side, tested through the command line.
 
-#[path = "common/program.rs"]
-mod program;
 
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 
 use image::ImageFormat;
-use program::{error_of, flipmap, refused};
+use crate::program::{error_of, flipmap, refused};
 use tempfile::TempDir;
 
 /// Runs `flipmap render` on the processor, so that these tests need no adapter.

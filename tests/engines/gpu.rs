@@ -1,13 +1,9 @@
 //! Properties that only the GPU engine must have.
 
-#[macro_use]
-#[path = "common/adapter.rs"]
-mod adapter;
-mod common;
 
 use std::time::{Duration, Instant};
 
-use common::*;
+use crate::common::*;
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting, choose};
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device::{Gpu, is_software};

@@ -1,13 +1,11 @@
 //! Files that flipmap did not write: films, plans and runs never replace or remove them.
 #![cfg(unix)]
 
-#[path = "common/program.rs"]
-mod program;
 
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
 
-use program::*;
+use crate::program::*;
 use tempfile::TempDir;
 
 const SMALL: [&str; 6] = ["--engine", "cpu", "--size", "16x16", "--budget", "1"];

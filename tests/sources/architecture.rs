@@ -1,10 +1,6 @@
 //! The project's rules that a machine can check: dependencies between modules, sizes of files,
 //! valid shaders, matching struct counterparts, kernels with only the code that their scene needs.
 
-#[path = "common/shader_structs.rs"]
-mod shader_structs;
-#[path = "common/sources.rs"]
-mod sources;
 
 use std::fs;
 use std::mem::offset_of;
@@ -25,8 +21,8 @@ use flipmap::physics::{Decimal, Rule, Status};
 use flipmap::scene::lattice::SIDE;
 use flipmap::scene::{Build, Kind};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use shader_structs::members;
-use sources::rust_files;
+use crate::shader_structs::members;
+use crate::sources::rust_files;
 
 /// The modules from left to right: a module may use only those before it.
 const ORDER: [&str; 11] = [

@@ -1,14 +1,12 @@
 //! Films: the frames they show, the files ffmpeg writes, and the requests that are refused.
 
-#[path = "common/program.rs"]
-mod program;
 
 use image::AnimationDecoder;
 use image::codecs::webp::WebPDecoder;
 use std::fs;
 use std::path::Path;
 
-use program::*;
+use crate::program::*;
 use tempfile::TempDir;
 
 const CPU: [&str; 4] = ["--engine", "cpu", "--accuracy", "fast"];

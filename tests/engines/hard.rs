@@ -1,11 +1,10 @@
 //! The hard cases, each once for every available engine, and the one case that gives a warning.
 
-mod common;
 
 use std::process::Output;
 
 use assert_cmd::Command;
-use common::gpu_engine;
+use crate::common::gpu_engine;
 use flipmap::engine::Engine;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::report::hard::{HardBench, cases};

@@ -1,10 +1,7 @@
 //! Windows chosen to break `exact`: no pixel may be wrong and unmarked.
 
-#[macro_use]
-#[path = "common/adapter.rs"]
-mod adapter;
-mod common;
 
+use crate::common;
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;

@@ -1,11 +1,7 @@
 //! Taylor expansions on the card, by which `exact` checks other methods.
 
-#[macro_use]
-#[path = "common/adapter.rs"]
-mod adapter;
-mod common;
 
-use common::*;
+use crate::common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::GpuEngine;
 use flipmap::engine::gpu::device::is_software;

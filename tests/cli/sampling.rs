@@ -1,8 +1,6 @@
 //! Samples in the middle and in the corners of pixels: their colours, their price, and what stays as it
 //! is, tested through the command line against samples that the library computes one by one.
 
-#[path = "common/program.rs"]
-mod program;
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +10,7 @@ use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::scene::palette::{AnswerColours, Tint, encoded, light, rounded};
 use flipmap::scene::{BuiltIn, Document, Scene};
 use flipmap::tiles::{Renderer, Samples};
-use program::{done, refused};
+use crate::program::{done, refused};
 use tempfile::TempDir;
 
 fn folder() -> TempDir {

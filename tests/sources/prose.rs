@@ -1,12 +1,10 @@
 //! Rules about names, comments and sizes that a machine can check from the text alone.
 
-#[path = "common/sources.rs"]
-mod files;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use files::rust_files;
+use crate::sources::rust_files;
 
 /// The Rust files below a folder with their text before their unit tests.
 fn sources(folder: &Path) -> Vec<(PathBuf, String)> {

@@ -1,6 +1,6 @@
 //! Each parser on each input of the fuzzers' corpora, without a fuzzer.
 
-#[path = "../fuzz/parsers.rs"]
+#[path = "../../fuzz/parsers.rs"]
 mod parsers;
 
 use std::fs;
@@ -36,7 +36,7 @@ fn a_parser_that_panics_is_noticed() {
 
 #[test]
 fn every_parser_is_a_target() {
-    let manifest = include_str!("../fuzz/Cargo.toml");
+    let manifest = include_str!("../../fuzz/Cargo.toml");
     for (name, _) in PARSERS {
         assert!(manifest.contains(&format!("name = \"{name}\"")), "{name}");
         let target = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/fuzz_targets");

@@ -1,11 +1,9 @@
 //! Traces of single pendulums: their columns, their flips, and the requests that are refused.
 
-#[path = "common/program.rs"]
-mod program;
 
 use std::fs;
 
-use program::*;
+use crate::program::*;
 
 #[test]
 fn a_trace_has_its_columns_and_its_flips() {

@@ -1,10 +1,9 @@
 //! Properties that every engine must have; each test runs once for each engine.
 
-mod common;
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use common::*;
+use crate::common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::FINEST;
 use flipmap::engine::{

@@ -1,8 +1,7 @@
 //! The reliability of checked answers.
 
-mod common;
 
-use common::*;
+use crate::common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Starts, Trust};

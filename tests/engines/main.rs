@@ -1,0 +1,16 @@
+//! Engines, their checks and their pictures, judged by the gold standard.
+
+#[macro_use]
+#[path = "../common/adapter.rs"]
+mod adapter;
+#[path = "../common/mod.rs"]
+mod common;
+mod enemy;
+mod agreement;
+mod expansions;
+mod goldens;
+mod gpu;
+mod hard;
+mod oracle;
+mod packing;
+mod trust;
