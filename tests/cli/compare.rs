@@ -1,6 +1,5 @@
 //! `flipmap compare`: its report on two results, and its exit code.
 
-
 use std::fs;
 use std::process::Stdio;
 

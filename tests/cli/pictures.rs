@@ -1,13 +1,12 @@
 //! Pictures other than PNG: pyramids, images that cannot be written from front to back, formats by
 //! name, and light from the side, tested through the command line.
 
-
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use image::ImageFormat;
 use crate::program::{error_of, flipmap, refused};
+use image::ImageFormat;
 use tempfile::TempDir;
 
 /// Runs `flipmap render` on the processor, so that these tests need no adapter.

@@ -1,7 +1,6 @@
 //! Files that flipmap did not write: films, plans and runs never replace or remove them.
 #![cfg(unix)]
 
-
 use std::fs;
 use std::os::unix::fs::{PermissionsExt, symlink};
 

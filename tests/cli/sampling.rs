@@ -1,16 +1,15 @@
 //! Samples in the middle and in the corners of pixels: their colours, their price, and what stays as it
 //! is, tested through the command line against samples that the library computes one by one.
 
-
 use std::fs;
 use std::path::Path;
 
+use crate::program::{done, refused};
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::scene::palette::{AnswerColours, Tint, encoded, light, rounded};
 use flipmap::scene::{BuiltIn, Document, Scene};
 use flipmap::tiles::{Renderer, Samples};
-use crate::program::{done, refused};
 use tempfile::TempDir;
 
 fn folder() -> TempDir {

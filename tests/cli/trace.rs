@@ -1,6 +1,5 @@
 //! Traces of single pendulums: their columns, their flips, and the requests that are refused.
 
-
 use std::fs;
 
 use crate::program::*;

@@ -1,6 +1,5 @@
 //! Films: the frames they show, the files ffmpeg writes, and the requests that are refused.
 
-
 use image::AnimationDecoder;
 use image::codecs::webp::WebPDecoder;
 use std::fs;

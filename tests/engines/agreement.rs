@@ -1,6 +1,5 @@
 //! Properties that every engine must have; each test runs once for each engine.
 
-
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::common::*;

@@ -1,6 +1,5 @@
 //! Windows chosen to break `exact`: no pixel may be wrong and unmarked.
 
-
 use crate::common;
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap::engine::cpu::CpuEngine;

@@ -1,6 +1,5 @@
 //! Taylor expansions on the card, by which `exact` checks other methods.
 
-
 use crate::common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::GpuEngine;

@@ -6,7 +6,6 @@
 //! `target/goldens`, also when a golden is missing, which fails the test.
 //! `FLIPMAP_UPDATE_GOLDENS=1` replaces the goldens.
 
-
 use std::path::{Path, PathBuf};
 
 use crate::common::*;

@@ -1,6 +1,5 @@
 //! Properties that only the GPU engine must have.
 
-
 use std::time::{Duration, Instant};
 
 use crate::common::*;

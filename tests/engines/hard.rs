@@ -1,10 +1,9 @@
 //! The hard cases, each once for every available engine, and the one case that gives a warning.
 
-
 use std::process::Output;
 
-use assert_cmd::Command;
 use crate::common::gpu_engine;
+use assert_cmd::Command;
 use flipmap::engine::Engine;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::report::hard::{HardBench, cases};

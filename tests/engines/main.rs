@@ -3,10 +3,10 @@
 #[macro_use]
 #[path = "../common/adapter.rs"]
 mod adapter;
+mod agreement;
 #[path = "../common/mod.rs"]
 mod common;
 mod enemy;
-mod agreement;
 mod expansions;
 mod goldens;
 mod gpu;

@@ -1,6 +1,5 @@
 //! Outcomes that a card packs before they are read back.
 
-
 use crate::common::*;
 use flipmap::engine::gpu::GpuEngine;
 use flipmap::engine::{

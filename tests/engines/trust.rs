@@ -1,6 +1,5 @@
 //! The reliability of checked answers.
 
-
 use crate::common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::trust::TrustEngine;

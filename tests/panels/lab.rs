@@ -1,6 +1,5 @@
 //! The laboratory's figures: their appearance at a fixed time, and their use by a person.
 
-
 use egui::{Event, Key, Modifiers, PointerButton, Role, Theme, pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};

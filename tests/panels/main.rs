@@ -6,5 +6,5 @@ mod adapter;
 mod lab;
 mod layouts;
 mod pendulum;
-mod side;
 mod share;
+mod side;

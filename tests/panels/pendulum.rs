@@ -1,6 +1,5 @@
 //! The pendulum panel: its appearance, and its use by control names and keyboard.
 
-
 use std::time::{Duration, Instant};
 
 use egui::{Key, Role, Theme};

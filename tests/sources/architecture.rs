@@ -1,11 +1,12 @@
 //! The project's rules that a machine can check: dependencies between modules, sizes of files,
 //! valid shaders, matching struct counterparts, kernels with only the code that their scene needs.
 
-
 use std::fs;
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 
+use crate::shader_structs::members;
+use crate::sources::rust_files;
 use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
@@ -21,8 +22,6 @@ use flipmap::physics::{Decimal, Rule, Status};
 use flipmap::scene::lattice::SIDE;
 use flipmap::scene::{Build, Kind};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-use crate::shader_structs::members;
-use crate::sources::rust_files;
 
 /// The modules from left to right: a module may use only those before it.
 const ORDER: [&str; 11] = [

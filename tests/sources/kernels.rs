@@ -1,11 +1,11 @@
 //! Every kernel can be translated to the language of every kind of driver. scripts/kernels, which names
 //! a folder in FLIPMAP_KERNELS, finds all translations there afterwards.
 
-
 use std::fs;
 use std::mem::offset_of;
 use std::path::Path;
 
+use crate::shader_structs::members;
 use flipmap::engine::gpu::kernel::{Design, pack_text, selfcheck_text};
 use flipmap::engine::gpu::packing::Packing;
 use flipmap::engine::gpu::pairs::Pairs;
@@ -18,7 +18,6 @@ use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
-use crate::shader_structs::members;
 
 /// The number types by name, with the way in which pairs are computed.
 const NUMBERS: [(&str, Precision, Pairs); 6] = [

@@ -1,12 +1,12 @@
 //! What the sources promise without a run: dependencies, sizes, prose, examples, the corpus of the fuzzers, and kernels that every driver takes.
 
+#[cfg(feature = "window")]
+mod architecture;
+mod examples;
+mod fuzz_corpus;
+mod kernels;
+mod prose;
 #[path = "../common/shader_structs.rs"]
 mod shader_structs;
 #[path = "../common/sources.rs"]
 mod sources;
-#[cfg(feature = "window")]
-mod architecture;
-mod prose;
-mod examples;
-mod fuzz_corpus;
-mod kernels;

@@ -1,6 +1,5 @@
 //! Rules about names, comments and sizes that a machine can check from the text alone.
 
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
