@@ -23,7 +23,7 @@ pub struct PictureRecipe<'a> {
     pub document: &'a Document,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Whether pixels are followed as cells first.
+    /// The use of cells, which are followed before pixels.
     pub cells: Cells,
     /// Files to write.
     pub paths: &'a Paths,
@@ -36,7 +36,7 @@ pub struct RenderedPicture {
     pub counts: Counts,
     /// The result of integrating some of its pixels directly, where pixels of a deep view are checked.
     pub opinion: Option<Opinion>,
-    /// Where the time went.
+    /// Time spent on it.
     pub clock: RenderClock,
     /// Pixels that a later render can resume, if it was asked to save them.
     pub saved: Option<SavedPixels>,

@@ -88,7 +88,7 @@ impl SuspectStep {
 }
 
 impl<N: Number, P: TopTest> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P> {
-    type End = AdaptiveStretchEnd;
+    type Output = AdaptiveStretchEnd;
 
     #[inline(always)]
     fn run(self, set: <N::Leading as Lanes>::Set) -> AdaptiveStretchEnd {

@@ -82,7 +82,7 @@ struct FixedStretchEnd {
 }
 
 impl<L: Lanes, const TERMS: usize> Stretch<L> for FixedStretch<'_, TERMS> {
-    type End = FixedStretchEnd;
+    type Output = FixedStretchEnd;
 
     #[inline(always)]
     fn run(self, set: L::Set) -> FixedStretchEnd {

@@ -14,16 +14,16 @@ use super::lanes::Lanes;
 /// A loop over lanes of `L`. The call is always inlined into the function made for it.
 pub(super) trait Stretch<L: Lanes> {
     /// The loop's result.
-    type End;
+    type Output;
 
     /// Runs the loop.
-    fn run(self, set: L::Set) -> Self::End;
+    fn run(self, set: L::Set) -> Self::Output;
 }
 
 /// Runs a loop in a function of its own, compiled for the instruction set. The caller must be a function
 /// that is never inlined.
 #[inline(always)]
-pub(super) fn vectorized<L: Lanes, T: Stretch<L>>(set: L::Set, stretch: T) -> T::End {
+pub(super) fn vectorized<L: Lanes, T: Stretch<L>>(set: L::Set, stretch: T) -> T::Output {
     set.vectorize(Function::<L, T> { set, stretch })
 }
 
@@ -33,10 +33,10 @@ struct Function<L: Lanes, T> {
 }
 
 impl<L: Lanes, T: Stretch<L>> WithSimd for Function<L, T> {
-    type Output = T::End;
+    type Output = T::Output;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> T::End {
+    fn with_simd<S: Simd>(self, _: S) -> T::Output {
         self.stretch.run(self.set)
     }
 }

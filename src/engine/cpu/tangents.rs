@@ -49,7 +49,7 @@ struct TangentRun<'a, N, P> {
 }
 
 impl<N: Number + Narrow<N::Leading>, P: EmbeddedPair> Stretch<N::Leading> for TangentRun<'_, N, P> {
-    type End = Option<ChunkResult>;
+    type Output = Option<ChunkResult>;
 
     #[inline(always)]
     fn run(self, set: <N::Leading as Lanes>::Set) -> Option<ChunkResult> {

@@ -45,7 +45,7 @@ struct TaylorRun<'a, N, T, const M: usize> {
 }
 
 impl<N: Number, T: Scalar, const M: usize> Stretch<N::Leading> for TaylorRun<'_, N, T, M> {
-    type End = Option<ChunkResult>;
+    type Output = Option<ChunkResult>;
 
     #[inline(always)]
     fn run(self, set: <N::Leading as Lanes>::Set) -> Option<ChunkResult> {
