@@ -1,4 +1,5 @@
-//! What the sources promise without a run: dependencies, sizes, prose, examples, the corpus of the fuzzers, and kernels that every driver takes.
+//! Promises of the sources: dependencies, sizes, prose, examples, the corpus of the fuzzers, and kernels
+//! that every driver takes.
 
 #[cfg(feature = "window")]
 mod architecture;
