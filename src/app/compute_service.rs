@@ -314,8 +314,9 @@ fn open(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, choice::
     let tuning = GpuTuning { pace: PACE, at_once: true, ..request.tuning };
     // The whole engine gets a thread of its own here.
     let request = EngineRequest { tuning, own_thread: false, ..request.clone() };
-    let Chosen { engine, config, why, following, request } = choice::choose(&request, tell)?;
-    let engine = Renderer::of(engine, config, request.verifies(), request.threads)?.into_engine();
+    let chosen = choice::choose(&request, tell)?;
+    let (config, why, following) = (chosen.config, chosen.why.clone(), chosen.following.clone());
+    let engine = Renderer::try_from(chosen)?.into_engine();
     Ok(Chosen { engine, config, why, following, request })
 }
 

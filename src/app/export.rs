@@ -232,7 +232,6 @@ fn run(
     let mut document = Document { run: table, ..request.document.clone() };
     document.check()?;
     document.view = document.view.fitted(request.size.map(f64::from));
-    document.picture.check_size(request.size).map_err(DocumentError::from)?;
     document.picture.samples = document.picture.samples_of(request.size);
     let (document, paths) = (document.settled(), request.paths());
     let recipe = PictureRecipe {

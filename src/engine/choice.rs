@@ -159,7 +159,7 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
     };
     let engine = DepthEngine::new(chosen.engine, threads_beside(request.threads))?
         .telling(chosen.following.clone());
-    Ok(Chosen { engine: Box::new(engine), request: request.clone(), ..chosen })
+    Ok(Chosen { engine: Box::new(engine), ..chosen })
 }
 
 /// Chooses the fastest engine of the profile. Adapters are not even opened where only the processor

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use super::render::{pass_samples, pass_work, render_pass};
 use super::{OutputError, Paths, RenderClock, RenderError, SinkPass, Sinks};
+use crate::engine::Cells;
 use crate::engine::trust::Opinion;
-use crate::engine::{Cells, EngineError, IntegratorConfig};
 use crate::scene::{Document, SceneError};
 use crate::tiles::{Counts, Renderer, SavedPixels, check_feasible};
 
@@ -51,11 +51,6 @@ impl PictureRecipe<'_> {
         Ok(self.paths.check(&self.document.picture)?)
     }
 
-    /// Refuses what cannot be computed with a configuration.
-    pub fn check_feasible(&self, config: &IntegratorConfig) -> Result<(), EngineError> {
-        check_feasible(&self.document.scene(), self.size, config, self.cells)
-    }
-
     /// Computes the samples, paints them and completes the files. With `saved`, pixels that an earlier
     /// render saved are resumed and the others saved.
     pub fn render(
@@ -65,12 +60,12 @@ impl PictureRecipe<'_> {
         watch: &dyn Watch,
     ) -> Result<RenderedPicture, RenderError> {
         let beginning = Instant::now();
-        self.check_feasible(&renderer.config())?;
+        let scene = self.document.scene();
+        check_feasible(&scene, self.size, &renderer.config(), self.cells)?;
         let mut sinks = Sinks::open(self.paths, self.document, self.size)?;
         let passes = sinks.passes(self.document.picture.samples);
         let samples = |pass: &SinkPass| pass_samples(self.document, self.size, pass);
         let total = passes.iter().flat_map(samples).sum();
-        let scene = self.document.scene();
         let keep_going = || watch.keep_going(0, total);
         let opinion = renderer.second_opinion(&scene, self.size, self.cells, &keep_going)?;
         let mut rendered = RenderedPicture { opinion, ..RenderedPicture::default() };
@@ -78,9 +73,8 @@ impl PictureRecipe<'_> {
         let mut done = 0;
         for pass in &passes {
             let at = |samples: u64| watch.keep_going(done + samples, total);
-            let done_after = done + samples(pass).iter().sum::<u64>();
             self.run_pass(renderer, (&mut sinks, pass), &mut saved, &mut rendered, &at)?;
-            done = done_after;
+            done += samples(pass).iter().sum::<u64>();
         }
         let finishing = Instant::now();
         sinks.finish()?;

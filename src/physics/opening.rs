@@ -371,13 +371,11 @@ mod tests {
 
     #[test]
     fn openings_are_those_of_the_gold_standard_down_to_1e_50_from_the_top() {
-        // Each pendulum and rule has its share of the starts: the gold standard takes its time.
-        for (first, pendulum) in pendulums().into_iter().enumerate() {
+        for pendulum in pendulums() {
             for (_, rule) in Rule::ALL {
                 let starts = CORNERS.into_iter().flat_map(around).map(State::rest);
-                let starts: Vec<_> = starts.skip(first).step_by(3).collect();
-                let passed = check(&pendulum, &starts, rule);
-                assert!(passed >= 2, "{:?} {rule} {passed}", pendulum.to_f64());
+                let passed = check(&pendulum, &starts.collect::<Vec<_>>(), rule);
+                assert!(passed >= 5, "{:?} {rule} {passed}", pendulum.to_f64());
             }
         }
     }
@@ -398,13 +396,13 @@ mod tests {
     fn openings_of_thrown_pendulums_are_those_of_the_gold_standard() {
         let speeds = [[0.0, 1.0], [0.0, -1.0], [3.0, 1e-12], [40.0, -1e-30], [-2.0, 0.0]];
         for pendulum in pendulums() {
-            for (first, speed) in speeds.into_iter().enumerate() {
+            for speed in speeds {
                 let speed = speed.map(Theta::from_f64);
-                let starts = CORNERS.into_iter().flat_map(around).skip(first % 3).step_by(3);
+                let starts = CORNERS.into_iter().flat_map(around);
                 let thrown: Vec<_> = starts.map(|angle| State { angle, speed }).collect();
                 let passed = check(&pendulum, &thrown, Rule::Either)
                     + check(&rubbed(pendulum, [0.2, 3.0]), &thrown, Rule::Second);
-                assert!(passed >= 6, "{:?} {speed:?} {passed}", pendulum.to_f64());
+                assert!(passed >= 20, "{:?} {speed:?} {passed}", pendulum.to_f64());
             }
         }
     }

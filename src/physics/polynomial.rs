@@ -134,8 +134,8 @@ fn only_zero<T: Scalar, const N: usize>(control: &[T; N], side: T) -> T {
     let (mut low, mut high) = (zero, T::from_f64(1.0));
     let (mut at_low, mut at_high) = (side * control[0], side * control[N - 1]);
     let mut x = high;
-    // The end that the last iteration retained.
-    let mut retained = None;
+    // True if the last iteration retained the high end, false if the low one.
+    let mut retained_high = None;
     for _ in 0..ROOT_STEPS {
         let next = (low * at_high - high * at_low) / (at_high - at_low);
         // Roots near zero keep their relative accuracy.
@@ -145,38 +145,17 @@ fn only_zero<T: Scalar, const N: usize>(control: &[T; N], side: T) -> T {
         if still || !(next > low && next < high) {
             break;
         }
-        let value = side * value_at(control, x);
-        let end = if value > zero { RetainedEnd::High } else { RetainedEnd::Low };
-        let twice = retained.replace(end) == Some(end);
-        match end {
-            RetainedEnd::High => {
-                (low, at_low) = (x, value);
-                at_high = if twice { at_high * half } else { at_high };
-            }
-            RetainedEnd::Low => {
-                (high, at_high) = (x, value);
-                at_low = if twice { at_low * half } else { at_low };
-            }
+        let value = side * halves(control, x)[0][N - 1];
+        let retains_high = value > zero;
+        let is_again = retained_high.replace(retains_high) == Some(retains_high);
+        let weight = if is_again { half } else { T::from_f64(1.0) };
+        if retains_high {
+            (low, at_low, at_high) = (x, value, at_high * weight);
+        } else {
+            (high, at_high, at_low) = (x, value, at_low * weight);
         }
     }
     x.max(low)
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum RetainedEnd {
-    Low,
-    High,
-}
-
-/// The value at `x` of the polynomial with these control points (de Casteljau 1959).
-fn value_at<T: Scalar, const N: usize>(control: &[T; N], x: T) -> T {
-    let mut points = *control;
-    for k in 1..N {
-        for j in 0..N - k {
-            points[j] = points[j] + (points[j + 1] - points[j]) * x;
-        }
-    }
-    points[0]
 }
 
 /// The root between `low`, where `f` is negative, and `high`, where it is not: Newton's method,

@@ -1,7 +1,6 @@
 //! The program through the command line: files, exit codes, one clear sentence for each mistake.
 
 mod compare;
-mod giant;
 mod mistakes;
 mod pictures;
 #[path = "../common/program.rs"]
@@ -21,15 +20,13 @@ use std::process::Output;
 use assert_cmd::Command;
 use tempfile::TempDir;
 
+use program::{error_of, flipmap};
+
 /// A command that runs the program in a folder, with a cache that only tests share.
 fn program(folder: &TempDir) -> Command {
     let mut command = Command::cargo_bin("flipmap").unwrap();
     command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
     command
-}
-
-fn flipmap(folder: &TempDir, arguments: &[&str]) -> Output {
-    program(folder).args(arguments).output().unwrap()
 }
 
 /// Runs `flipmap render` on the processor, so that these tests need no adapter.
@@ -40,10 +37,6 @@ fn render(folder: &TempDir, arguments: &[&str]) -> Output {
 
 fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
-}
-
-fn error_of(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 /// The flip times in a `.npy` file.

@@ -6,6 +6,8 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
+use crate::program::error_of;
+
 /// Arguments for a report on the processor with few starts, which needs no adapter and little time.
 const SMALL: [&str; 6] = ["report", "--quick", "--engine", "cpu", "--sample", "64"];
 
@@ -21,10 +23,6 @@ fn flipmap(folder: &TempDir, arguments: &[&str]) -> Child {
 
 fn finished(folder: &TempDir, arguments: &[&str]) -> Output {
     flipmap(folder, arguments).wait_with_output().unwrap()
-}
-
-fn error_of(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 #[cfg(unix)]
@@ -121,50 +119,4 @@ fn no_adapter_is_69_when_one_was_asked_for() {
         .unwrap();
     assert_eq!(output.status.code(), Some(69), "{}", error_of(&output));
     assert!(error_of(&output).contains("apt-get install libvulkan1"));
-}
-
-/// A program that tells that it computed 200 pixels in the `small_secs` and 1,200 in `large_secs`.
-#[cfg(unix)]
-fn pretended_build(folder: &TempDir, name: &str, [small_secs, large_secs]: [f64; 2]) -> String {
-    use std::os::unix::fs::PermissionsExt;
-    let told = |secs: f64, pixels: u32| {
-        let evaluations = 10 * pixels;
-        format!(
-            r#"{{"seconds": {{"compute": {secs}}}, "simulated": {pixels}, "rhs_evaluations": {evaluations}}}"#
-        )
-    };
-    let (small, large) = (told(small_secs, 200), told(large_secs, 1200));
-    let script = format!(
-        "#!/bin/sh\ncase \"$*\" in *256x256*) echo '{small}' ;; *) echo '{large}' ;; esac\n"
-    );
-    let path = folder.path().join(name);
-    fs::write(&path, script).unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
-    path.to_str().unwrap().to_string()
-}
-
-#[cfg(unix)]
-#[test]
-fn builds_are_compared_by_the_cost_of_a_pixel_and_a_slower_one_is_told() {
-    let folder = tempfile::tempdir().unwrap();
-    // Both take 1 s to begin; a pixel costs 2 ms in the old build, 3 ms in the new one.
-    let old = pretended_build(&folder, "old", [1.4, 3.4]);
-    let new = pretended_build(&folder, "new", [1.6, 4.6]);
-    let compare = |arguments: &[&str]| {
-        Command::new(concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/speed"))
-            .args(["--rounds", "1", "--levels", "fast"])
-            .args(arguments)
-            .output()
-            .unwrap()
-    };
-    let slower = compare(&["--limit", "1.02", &old, &new]);
-    let table = String::from_utf8_lossy(&slower.stdout).into_owned();
-    assert!(table.contains("2000.000  3000.000    1.50"), "{table}");
-    assert_eq!(slower.status.code(), Some(3), "{}", error_of(&slower));
-    let faster = compare(&["--limit", "1.02", &new, &old]);
-    assert_eq!(faster.status.code(), Some(0), "{}", error_of(&faster));
-    let missing = compare(&["no-such-build", &new]);
-    let error = error_of(&missing);
-    assert!(error.contains("there is no program and no commit no-such-build"), "{error}");
-    assert_eq!(missing.status.code(), Some(1));
 }

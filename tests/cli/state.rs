@@ -4,8 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
-use assert_cmd::Command;
 use tempfile::TempDir;
+
+use crate::program::flipmap;
 
 fn render(folder: &TempDir, arguments: &[&str]) -> Output {
     let view = ["--size", "40x40", "--center", "1.2,0.7", "--width", "3"];
@@ -13,14 +14,7 @@ fn render(folder: &TempDir, arguments: &[&str]) -> Output {
 }
 
 fn render_view(folder: &TempDir, arguments: &[&str]) -> Output {
-    Command::cargo_bin("flipmap")
-        .unwrap()
-        .current_dir(folder)
-        .env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"))
-        .args(["render", "--json"])
-        .args(arguments)
-        .output()
-        .unwrap()
+    flipmap(folder, &[&["render", "--json"], arguments].concat())
 }
 
 fn object(output: &Output) -> serde_json::Value {

@@ -1,15 +1,12 @@
 //! Taylor expansions on the card, by which `exact` checks other methods.
 
 use crate::common::*;
+use crate::rewritten::Rewritten;
 use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::gpu::GpuEngine;
 use flipmap::engine::gpu::device::is_software;
 use flipmap::engine::level::FINEST;
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{
-    Accuracy, End, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep,
-    Question, Starts, Trust, Wait,
-};
+use flipmap::engine::{Accuracy, End, Ends, Engine, Job, Keep, Question, Starts, Trust, Wait};
 use flipmap::physics::{Dd, Rule, Status};
 use flipmap::scene::Scene;
 
@@ -41,37 +38,6 @@ fn on_both(question: Question, starts: &[[Dd; 2]]) -> [JobResult; 2] {
     };
     assert_eq!(statuses(&both[0]), statuses(&both[1]), "{question:?}");
     both
-}
-
-/// The adapter as a card that makes every check itself: one in software leaves expansions to the
-/// processor.
-struct Card(GpuEngine);
-
-impl Engine for Card {
-    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
-        self.0.submit(job)
-    }
-    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
-        self.0.poll(wait)
-    }
-    fn cancel(&mut self) {
-        self.0.cancel();
-    }
-    fn slots(&self) -> usize {
-        self.0.slots()
-    }
-    fn job_size(&self) -> usize {
-        self.0.job_size()
-    }
-    fn kind(&self) -> EngineKind {
-        self.0.kind()
-    }
-    fn adapter(&self) -> String {
-        self.0.adapter()
-    }
-    fn offers(&self, config: &IntegratorConfig) -> bool {
-        self.0.offers(config)
-    }
 }
 
 mod checks {
@@ -141,7 +107,7 @@ mod checks {
         };
         let gpu = gpu_engine();
         assert_eq!(gpu.checks_by(&FINEST), !is_software(&gpu.gpu().adapter));
-        let card = Card(gpu);
+        let card = Rewritten { engine: gpu, rewrite: |job| job };
         assert!(card.checks_by(&FINEST), "the card makes the check");
         let [gpu, cpu] =
             [checked(Box::new(card)), checked(Box::new(CpuEngine::new(None).unwrap()))];

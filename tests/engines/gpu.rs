@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use crate::common::*;
+use crate::rewritten::Rewritten;
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting, choose};
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device::{Gpu, is_software};
@@ -11,8 +12,8 @@ use flipmap::engine::gpu::{GpuEngine, MOST_KERNELS};
 use flipmap::engine::level::{BALANCED_DF32, FAST_TO_COMPILE, FINEST};
 use flipmap::engine::selfcheck::{self, Verdict};
 use flipmap::engine::{
-    Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, JobResult, Keep,
-    Method, Precision, Question, Starts, Wait,
+    Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, Keep, Method,
+    Precision, Question, Starts, Wait,
 };
 use flipmap::physics::{Decimal, Rule};
 use flipmap::scene::{Build, Scene};
@@ -45,40 +46,15 @@ needs_adapter! {
     buffers_beyond_the_limits_are_refused_in_words
 }
 
-/// An engine that computes everything in f32, whatever it is asked for.
-struct Pretender(GpuEngine);
-
-impl Engine for Pretender {
-    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
-        let config = IntegratorConfig { precision: Precision::F32, ..job.config };
-        let config = match config.method {
-            // Nobody asks for f32 in higher orders.
-            Method::Dop853 { .. } | Method::Taylor { .. } => Accuracy::Fast.configs()[0],
-            _ => config,
-        };
-        self.0.submit(Job { config, ..job })
-    }
-    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
-        self.0.poll(wait)
-    }
-    fn cancel(&mut self) {
-        self.0.cancel();
-    }
-    fn slots(&self) -> usize {
-        self.0.slots()
-    }
-    fn job_size(&self) -> usize {
-        self.0.job_size()
-    }
-    fn kind(&self) -> EngineKind {
-        self.0.kind()
-    }
-    fn adapter(&self) -> String {
-        self.0.adapter()
-    }
-    fn offers(&self, config: &IntegratorConfig) -> bool {
-        self.0.offers(config)
-    }
+/// The job in f32, whatever is asked for.
+fn in_f32(job: Job) -> Job {
+    let config = IntegratorConfig { precision: Precision::F32, ..job.config };
+    let config = match config.method {
+        // Nobody asks for f32 in higher orders.
+        Method::Dop853 { .. } | Method::Taylor { .. } => Accuracy::Fast.configs()[0],
+        _ => config,
+    };
+    Job { config, ..job }
 }
 
 mod checks {
@@ -351,7 +327,7 @@ mod checks {
         assert_eq!(checks.len(), configs.len());
         assert!(checks.iter().all(|check| check.passed), "{checks:?}");
         // f32 in the place of f64 is what a check of f64 must notice.
-        let mut pretender = Pretender(gpu_engine());
+        let mut pretender = Rewritten { engine: gpu_engine(), rewrite: in_f32 };
         let checks = selfcheck::orbits(&mut pretender, &configs[1..]).unwrap();
         assert!(checks.iter().filter(|c| c.precision == Precision::F64).all(|c| !c.passed));
     }

@@ -13,4 +13,5 @@ mod gpu;
 mod hard;
 mod oracle;
 mod packing;
+mod rewritten;
 mod trust;

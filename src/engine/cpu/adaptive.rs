@@ -8,7 +8,7 @@ use super::lanes::{Lanes, MOST_LANES};
 use super::number::{Number, load_phase, store_phase};
 use super::pair::{EmbeddedPair, LaneStep, TopTest};
 use super::slowed::finish_slowed;
-use super::stretch::{Stretch, vectorized};
+use super::stretch::{Stretch, StretchEnd, vectorized};
 use super::{step_control, turns};
 use crate::engine::pace::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
@@ -46,7 +46,7 @@ pub(super) fn run<N: Number, P: TopTest>(
             suspect: &mut suspect,
             kernel: PhantomData,
         };
-        let AdaptiveStretchEnd { taken, is_suspect } = vectorized::<N::Leading, _>(set, stretch);
+        let StretchEnd { taken, is_suspect } = vectorized::<N::Leading, _>(set, stretch);
         lanes.scheduler.count_steps(taken);
         if is_suspect {
             lanes.decide::<P>(&suspect);
@@ -57,7 +57,8 @@ pub(super) fn run<N: Number, P: TopTest>(
     Some(lanes.scheduler.answer)
 }
 
-/// Steps of all lanes until a watched bob may have been at the top or a budget ends.
+/// Steps of all lanes until a watched bob may have been at the top or a budget ends; the step in which it
+/// may have been is the last of those taken.
 struct AdaptiveStretch<'a, 'b, N, P> {
     pendulum: &'a Pendulum<Dd>,
     inverse_scale: [f64; 2],
@@ -65,12 +66,6 @@ struct AdaptiveStretch<'a, 'b, N, P> {
     scheduler: &'a mut LaneScheduler<'b>,
     suspect: &'a mut SuspectStep,
     kernel: PhantomData<(N, P)>,
-}
-
-struct AdaptiveStretchEnd {
-    taken: u32,
-    /// True if the last of those steps is to be decided lane by lane.
-    is_suspect: bool,
 }
 
 /// A step in which a bob of some lane may have been at the top.
@@ -88,10 +83,10 @@ impl SuspectStep {
 }
 
 impl<N: Number, P: TopTest> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P> {
-    type Output = AdaptiveStretchEnd;
+    type Output = StretchEnd;
 
     #[inline(always)]
-    fn run(self, set: <N::Leading as Lanes>::Set) -> AdaptiveStretchEnd {
+    fn run(self, set: <N::Leading as Lanes>::Set) -> StretchEnd {
         let number = N::exactly(<N::Leading as Lanes>::splat(set, 1.0));
         let lanes = |value: f64| [value; MOST_LANES];
         let pendulum = self.pendulum.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
@@ -116,7 +111,7 @@ impl<N: Number, P: TopTest> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P
                 clearance.store(&mut self.suspect.clearance);
                 state.advance(&adaptive, &next, excess);
                 state.store(self.scheduler);
-                return AdaptiveStretchEnd { taken, is_suspect: true };
+                return StretchEnd { taken, is_suspect: true };
             }
             if counts_turns {
                 turns::count(&mut state.turns, [&state.phase, &next], excess);
@@ -126,7 +121,7 @@ impl<N: Number, P: TopTest> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P
                 Lanes::select(state.clearance.min(clearance), excess, state.clearance);
             if taken == PATIENCE || budget.any_at_most(state.time) {
                 state.store(self.scheduler);
-                return AdaptiveStretchEnd { taken, is_suspect: false };
+                return StretchEnd { taken, is_suspect: false };
             }
         }
     }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE, lane_of};
 use super::lanes::{Lanes, MOST_LANES};
 use super::slowed::slowed_lanes;
-use super::stretch::{Stretch, vectorized};
+use super::stretch::{Stretch, StretchEnd, vectorized};
 use crate::engine::pace::Steps;
 use crate::engine::start::{angles_of, whole_turns};
 use crate::engine::{End, NUMBERS, Precision};
@@ -42,7 +42,7 @@ pub(super) fn run<L: Lanes, const TERMS: usize>(
             rows: &mut fixed.scheduler.rows,
             suspect: &mut suspect,
         };
-        let FixedStretchEnd { taken, is_suspect } = vectorized::<L, _>(set, stretch);
+        let StretchEnd { taken, is_suspect } = vectorized::<L, _>(set, stretch);
         fixed.scheduler.count_steps(taken);
         if is_suspect {
             fixed.look(&suspect);
@@ -53,7 +53,8 @@ pub(super) fn run<L: Lanes, const TERMS: usize>(
     Some(fixed.scheduler.answer)
 }
 
-/// Steps of all lanes until a watched bob may have been at the top.
+/// Steps of all lanes until a watched bob may have been at the top; the step in which it may have been is
+/// not among those taken.
 struct FixedStretch<'a, const TERMS: usize> {
     pendulum: &'a Pendulum<f64>,
     /// Length of a step in reduced units.
@@ -75,17 +76,11 @@ struct SuspectStep {
     nearest: [f64; MOST_LANES],
 }
 
-struct FixedStretchEnd {
-    taken: u32,
-    /// True if the step after those taken is to be decided lane by lane.
-    is_suspect: bool,
-}
-
 impl<L: Lanes, const TERMS: usize> Stretch<L> for FixedStretch<'_, TERMS> {
-    type Output = FixedStretchEnd;
+    type Output = StretchEnd;
 
     #[inline(always)]
-    fn run(self, set: L::Set) -> FixedStretchEnd {
+    fn run(self, set: L::Set) -> StretchEnd {
         let turning = if TERMS == 0 { Turning::Fresh } else { Turning::Small(TERMS) };
         let pendulum = self.pendulum.map(|number| L::splat(set, number));
         let (step, top) = (L::splat(set, self.step), L::splat(set, PI_BELOW));
@@ -102,12 +97,12 @@ impl<L: Lanes, const TERMS: usize> Stretch<L> for FixedStretch<'_, TERMS> {
                 store([&state, &rest], self.rows);
                 store([&next, &State { angle: next_rest, ..rest }], &mut self.suspect.after);
                 nearest.store(&mut self.suspect.nearest);
-                return FixedStretchEnd { taken, is_suspect: true };
+                return StretchEnd { taken, is_suspect: true };
             }
             (state, rest.angle) = (next, next_rest);
         }
         store([&state, &rest], self.rows);
-        FixedStretchEnd { taken: self.most, is_suspect: false }
+        StretchEnd { taken: self.most, is_suspect: false }
     }
 }
 

@@ -20,6 +20,14 @@ pub(super) trait Stretch<L: Lanes> {
     fn run(self, set: L::Set) -> Self::Output;
 }
 
+/// The result of steps that end before their lanes' budgets if a watched bob may have been at the top.
+pub(super) struct StretchEnd {
+    /// Number of steps taken.
+    pub taken: u32,
+    /// True if a step is to be decided lane by lane.
+    pub is_suspect: bool,
+}
+
 /// Runs a loop in a function of its own, compiled for the instruction set. The caller must be a function
 /// that is never inlined.
 #[inline(always)]

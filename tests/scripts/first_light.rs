@@ -2,16 +2,13 @@
 //! runs with a program that is wrong.
 #![cfg(unix)]
 
-#[macro_use]
-#[path = "common/adapter.rs"]
-mod adapter;
-
 use std::fs;
-use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Output};
 
 use tempfile::TempDir;
+
+use crate::script;
 
 needs_adapter! {
     checks:
@@ -71,7 +68,6 @@ mod checks {
 
 /// A program that finds `differing` wrong pixels of 1000, and whose self-check says `word`.
 fn pretender(folder: &TempDir, differing: u32, word: &str) -> Output {
-    let path = folder.path().join("pretender");
     let text = format!(
         r#"#!/bin/sh
 case $1 in
@@ -82,10 +78,8 @@ render) echo '{{"flipped": 900, "unflipped": 100, "simulated": 500, "seconds": {
 esac
 "#
     );
-    fs::write(&path, text).unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
     let _ = fs::remove_dir_all(folder.path().join("out"));
-    first_light(folder, &path)
+    first_light(folder, &script(folder, "pretender", &text))
 }
 
 #[test]

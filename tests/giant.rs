@@ -144,7 +144,7 @@ fn the_longest_sides_can_be_begun_and_given_up() {
 }
 
 #[test]
-#[ignore = "ten minutes and more: cargo test --release --test cli giant:: -- --ignored"]
+#[ignore = "ten minutes and more: cargo test --release --test giant -- --ignored"]
 fn a_whole_giant_fits_in_little_memory() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| Some(folder.path().join(name));
