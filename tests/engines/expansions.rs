@@ -6,7 +6,9 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device::is_software;
 use flipmap::engine::level::FINEST;
 use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Accuracy, End, Ends, Engine, Job, Keep, Question, Starts, Trust, Wait};
+use flipmap::engine::{
+    Accuracy, End, Ends, Engine, Job, JobResult, Keep, Question, Starts, Trust, Wait,
+};
 use flipmap::physics::{Dd, Rule, Status};
 use flipmap::scene::Scene;
 
