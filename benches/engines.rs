@@ -8,9 +8,9 @@ use flipmap::engine::choice::open_checked;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device;
 use flipmap::engine::{Engine, IntegratorConfig, Method, Precision, Question};
-use flipmap::physics::Dd;
 use flipmap::report::{baseline, stopwatch};
 use flipmap::scene::{Fate, Grid, Scene};
+use flipmap_numbers::Dd;
 
 const SIDE: u32 = 512;
 const ROUNDS: usize = 7;

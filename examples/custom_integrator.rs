@@ -4,11 +4,12 @@
 
 use flipmap::engine::Question;
 use flipmap::engine::cpu::{Dop853, EmbeddedPair, outcomes};
-use flipmap::physics::embedded::Trial;
-use flipmap::physics::flip::right_secs;
-use flipmap::physics::phase::Phase;
-use flipmap::physics::{Dd, Outcome, Pendulum, Real, Rule, oracle};
 use flipmap::scene::Build;
+use flipmap_numbers::{Dd, Real};
+use flipmap_pendulum::embedded::Trial;
+use flipmap_pendulum::flip::right_secs;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::{Outcome, Pendulum, Rule, oracle};
 
 /// Orders 3 and 2 (P. Bogacki and L. F. Shampine, *A 3(2) pair of Runge–Kutta formulas*, 1989).
 struct BogackiShampine;

@@ -4,9 +4,9 @@
 
 use flipmap::engine::EngineKind;
 use flipmap::engine::choice::EngineRequest;
-use flipmap::physics::{Outcome, Status};
 use flipmap::scene::Scene;
 use flipmap::tiles::Renderer;
+use flipmap_pendulum::{Outcome, Status};
 use image::{Rgb, RgbImage};
 
 const SIDE: u32 = 96;

@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --example one_pendulum`
 
-use flipmap::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status, oracle};
+use flipmap_numbers::{Dd, Scalar};
+use flipmap_pendulum::{Outcome, Pendulum, Rule, Status, oracle};
 
 const BUDGET_SECS: f64 = 30.0;
 

@@ -30,7 +30,7 @@
 //! `examples/one_pendulum.rs`.
 //!
 //! ```
-//! use flipmap::physics::{Pendulum, Rule, Status, oracle};
+//! use flipmap_pendulum::{Pendulum, Rule, Status, oracle};
 //!
 //! let pendulum = Pendulum::points([1.0, 1.0], [1.0, 1.0], 1.0);
 //! let outcome = oracle::outcome(&pendulum, [3.0f64, 3.0], Rule::Second, 30.0);
@@ -67,7 +67,6 @@ pub mod film;
 #[cfg(feature = "window")]
 pub mod lab;
 pub mod output;
-pub mod physics;
 pub mod question;
 pub mod report;
 pub mod scene;

@@ -10,7 +10,7 @@ mod trace;
 #[pyo3::pymodule]
 mod _flipmap {
     use flipmap::engine::Trust;
-    use flipmap::physics::Status;
+    use flipmap_pendulum::Status;
     use flipmap::scene::{BuiltIn, Word};
     use pyo3::prelude::*;
 

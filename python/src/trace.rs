@@ -1,7 +1,7 @@
 //! `trace`: one pendulum, by the gold standard in double-double.
 
 use flipmap::output::{Advance, Trace, launch_from_text};
-use flipmap::physics::{Dd, Scalar};
+use flipmap_numbers::{Dd, Scalar};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};

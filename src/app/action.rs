@@ -12,8 +12,9 @@ use super::settings::{EdgeSamples, Layers, Theme};
 use super::state::Dialog;
 use crate::engine::{Accuracy, EngineKind};
 use crate::lab::Figure;
-use crate::physics::{State, Theta};
 use crate::scene::{Document, PictureTable, Scene};
+use flipmap_numbers::Theta;
+use flipmap_pendulum::State;
 
 /// A movement of the view. Points are measured from the middle of the canvas, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,8 @@
 use super::hover::{self, Answer};
 use super::model::AppModel;
 use crate::engine::Trust;
-use crate::physics::{Outcome, Theta};
+use flipmap_numbers::Theta;
+use flipmap_pendulum::Outcome;
 
 impl AppModel {
     /// Returns the answer that the map shows for the sample at a place.

@@ -4,9 +4,9 @@
 use glam::{DMat2, DVec2};
 
 use super::reach::Reach;
-use crate::physics::{Scalar, Theta};
 use crate::scene::lattice::{DEEPEST, Region, pitch_rad};
 use crate::scene::{BuiltIn, LEAST_WIDTH, View};
+use flipmap_numbers::{Scalar, Theta};
 
 /// A view as numbers, in the radians of the lattice; on the torus these are those of the angles.
 #[derive(Clone, Copy, Debug, PartialEq)]

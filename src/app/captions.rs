@@ -4,10 +4,11 @@ use super::hover::Answer;
 use super::map::Hovered;
 use super::reach::Reach;
 use crate::engine::Trust;
-use crate::physics::{Scalar, Status, Theta};
 use crate::question::{Channel, ChannelScale};
 use crate::scene::lattice::pitch_rad;
 use crate::scene::{PlaneKind, Scene};
+use flipmap_numbers::{Scalar, Theta};
+use flipmap_pendulum::Status;
 
 /// Describes a sample of a level: its coordinates on the scene's plane and its answer.
 pub fn words_of(hovered: &Hovered, scene: &Scene, level: u32) -> String {

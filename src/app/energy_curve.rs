@@ -5,9 +5,10 @@ use glam::DVec2;
 
 use super::camera::Screen;
 use super::overlay::position;
-use crate::physics::{Angle, Rule, Scalar, Theta};
 use crate::scene::Build;
 use crate::scene::palette::Rgb;
+use flipmap_numbers::{Angle, Scalar, Theta};
+use flipmap_pendulum::Rule;
 
 /// Distance in points between the nodes at which the energy is evaluated.
 const CURVE_NODE: f64 = 8.0;

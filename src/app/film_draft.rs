@@ -173,7 +173,7 @@ const LEAST_STEP_SECS: f64 = 0.1;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Scalar;
+    use flipmap_numbers::Scalar;
 
     fn wide(width: &str) -> Document {
         let mut document = Document::default();

@@ -1,12 +1,13 @@
 //! The sample under the pointer.
 
 use crate::engine::Trust;
-use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::question::MOST_CHANNELS;
 use crate::scene::Turn;
 use crate::scene::lattice::{Cell, SIDE};
 use crate::tiles::Stride;
 use crate::tiles::explorer::Explorer;
+use flipmap_numbers::{Scalar, Theta};
+use flipmap_pendulum::{Outcome, Status};
 
 /// The answer that the map shows for a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -139,10 +139,10 @@ mod tests {
     use super::*;
     use crate::app::compute_service::woken;
     use crate::engine::level::BALANCED;
-    use crate::physics::Theta;
     use crate::scene::lattice::Region;
     use crate::scene::{Budget, QuestionTable};
     use crate::tiles::view_target::Physics;
+    use flipmap_numbers::Theta;
     use std::time::Duration;
 
     #[test]

@@ -6,7 +6,7 @@ use glam::DVec2;
 use super::camera::Screen;
 use super::overlay::position;
 use super::state::AppState;
-use crate::physics::{Scalar, Theta};
+use flipmap_numbers::{Scalar, Theta};
 
 /// Number of points per line of equal opacity.
 const BAND: usize = 16;

@@ -5,8 +5,8 @@ use egui::Color32;
 use super::flight::{Flight, Playback, Trail};
 use super::pin_start::PinStart;
 use crate::engine::{Question, Trust};
-use crate::physics::Outcome;
 use crate::scene::{Build, Scene};
+use flipmap_pendulum::Outcome;
 
 /// Largest number of pins at once.
 pub const MOST_PINS: usize = 8;
@@ -281,9 +281,9 @@ impl Pins {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Decimal;
-    use crate::physics::Scalar;
     use crate::scene;
+    use flipmap_numbers::Decimal;
+    use flipmap_numbers::Scalar;
 
     fn place(theta1: f64) -> PinStart {
         PinStart::at_rest([theta1, theta1 + 0.01].map(|theta1| [theta1, 1.4].map(Scalar::from_f64)))

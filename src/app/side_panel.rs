@@ -18,7 +18,8 @@ use super::panels::view::view_panel;
 use super::panels::window::window_panel;
 use super::state::Dialog;
 use crate::lab::Figure;
-use crate::physics::{Scalar, State};
+use flipmap_numbers::Scalar;
+use flipmap_pendulum::State;
 
 /// The panels, by their headings.
 pub(super) const PANELS: [&str; 11] = [

@@ -18,9 +18,10 @@ use super::settings::{Appearance, Layers, Settings};
 use crate::engine::run_settings::RunSpec;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
-use crate::physics::{State, Theta};
 use crate::scene::{Build, Document, PictureTable, Plane, QuestionTable, Scene};
 use crate::tiles::view_target::{Physics, ViewTarget};
+use flipmap_numbers::Theta;
+use flipmap_pendulum::State;
 
 /// A panel or window that opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -401,9 +402,9 @@ pub(super) mod tests {
     use crate::engine::choice::IntegrationSetting;
     use crate::engine::level::BALANCED;
     use crate::engine::{Method, Precision};
-    use crate::physics::Scalar;
     use crate::question::Ask;
     use crate::scene::Budget;
+    use flipmap_numbers::Scalar;
 
     /// Returns the state of a window with the home scene.
     pub(crate) fn state() -> AppState {

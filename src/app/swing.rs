@@ -2,9 +2,10 @@
 
 use super::pin_start::PinStart;
 use super::reach::Reach;
-use crate::physics::phase::{Phase, rk4};
-use crate::physics::{Pendulum, State, Theta};
 use crate::scene::Scene;
+use flipmap_numbers::Theta;
+use flipmap_pendulum::phase::{Phase, rk4};
+use flipmap_pendulum::{Pendulum, State};
 
 /// Time that the pointer rests before the pendulum is let go, s.
 const REST_SECS: f64 = 0.6;
@@ -85,8 +86,8 @@ impl Swinging {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Scalar;
-    use crate::physics::taylor::Orbit;
+    use flipmap_numbers::Scalar;
+    use flipmap_pendulum::taylor::Orbit;
 
     fn place(angle: [f64; 2]) -> Option<[Theta; 2]> {
         Some(angle.map(Theta::from_f64))

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use flipmap::output::{Advance, Destination, SafeFile, Trace, is_stdout, launch_from_text};
-use flipmap::physics::passes::Pass;
-use flipmap::physics::{Dd, Scalar};
+use flipmap_numbers::{Dd, Scalar};
+use flipmap_pendulum::passes::Pass;
 
 use super::exit::Exit;
 use super::options::SceneOptions;

@@ -1,8 +1,8 @@
 //! The states in which integrations end.
 
-use crate::physics::Accumulators;
-use crate::physics::crossing;
-use crate::physics::phase::Phase;
+use flipmap_pendulum::Accumulators;
+use flipmap_pendulum::crossing;
+use flipmap_pendulum::phase::Phase;
 
 /// The state in which a pendulum's integration ended: at its flip, or at the end of the budget;
 /// reduced units.

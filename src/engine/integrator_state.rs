@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::Ends;
-use crate::physics::Accumulators;
-use crate::physics::phase::Phase;
+use flipmap_pendulum::Accumulators;
+use flipmap_pendulum::phase::Phase;
 
 /// Most numbers that a pendulum's state can have, see [`super::start`].
 pub const NUMBERS: usize = 15;

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::IntegratorConfig;
-use crate::physics::{extrapolation, series};
+use flipmap_pendulum::{extrapolation, series};
 
 /// The method by which a pixel is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub enum Method {
     /// Dormand and Prince's pair of orders 5 and 4: small coefficients, for f32.
     Dopri5 {
         /// Tolerance of one step just after the release; it rises from there (see
-        /// `physics::control`).
+        /// `flipmap_pendulum::control`).
         tolerance: f64,
     },
     /// Dormand and Prince's pair of order 8, for everything finer.

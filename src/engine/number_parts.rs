@@ -1,7 +1,7 @@
 //! Angles, vectors and times as the number types of the engines hold them, with their remainders.
 
 use super::{IntegratorConfig, Precision};
-use crate::physics::{Angle, Dd, Scalar};
+use flipmap_numbers::{Angle, Dd, Scalar};
 
 /// The unit vectors along the rods.
 pub(super) fn vectors(config: &IntegratorConfig, angle: [Dd; 2]) -> [[Dd; 2]; 2] {

@@ -2,10 +2,10 @@
 
 use super::method::COLUMNS;
 use super::{EngineError, IntegratorConfig, Method, Precision, Question};
-use crate::physics::control::Control;
-use crate::physics::embedded::{DOP853_ORDER, DOPRI5_ORDER};
-use crate::physics::trig::Turning;
-use crate::physics::{Outcome, Status, extrapolation, series};
+use flipmap_numbers::trig::Turning;
+use flipmap_pendulum::control::Control;
+use flipmap_pendulum::embedded::{DOP853_ORDER, DOPRI5_ORDER};
+use flipmap_pendulum::{Outcome, Status, extrapolation, series};
 
 /// The steps of a job: all of one length, or adaptive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -208,8 +208,8 @@ const MOST_STEPS: u32 = 1 << 30;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Rule;
     use crate::scene::Build;
+    use flipmap_pendulum::Rule;
 
     fn question(budget_secs: f64) -> Question {
         Question { build: Build::default(), rule: Rule::Second, budget_secs, passes: 1 }

@@ -20,8 +20,9 @@ use super::{
     Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Precision,
     Question, Starts, Wait,
 };
-use crate::physics::{Dd, Outcome, Status, oracle};
 use crate::scene::{Fate, Grid, Scene};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Outcome, Status, oracle};
 
 /// A measurement of this machine's engines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

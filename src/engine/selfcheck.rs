@@ -16,8 +16,9 @@ use super::level::FINEST;
 use super::{
     Engine, EngineError, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, Wait,
 };
-use crate::physics::{Dd, Outcome, Real, Rule, oracle};
 use crate::scene::Build;
+use flipmap_numbers::{Dd, Real};
+use flipmap_pendulum::{Outcome, Rule, oracle};
 
 /// One check of a device, and its result.
 #[derive(Clone, Debug, PartialEq)]
@@ -391,7 +392,7 @@ mod tests {
     use super::*;
     use crate::engine::level::BALANCED;
     use crate::engine::shared::{from_parts, to_parts};
-    use crate::physics::Status;
+    use flipmap_pendulum::Status;
 
     /// The answers of a sound device.
     fn sound(precision: Precision) -> Vec<CheckResult> {

@@ -3,7 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::physics::Status;
+use flipmap_pendulum::Status;
 
 /// The status codes as WGSL constants: `FLIPPED` and so on.
 pub fn status_constants() -> String {
@@ -42,7 +42,7 @@ pub struct JobHead {
     pub step: [f32; 2],
     /// Reduced time at which adaptive steps end.
     pub budget: f32,
-    /// log₂ of the squared tolerance at the release (see `physics::control`).
+    /// log₂ of the squared tolerance at the release (see `flipmap_pendulum::control`).
     pub start: f32,
     /// Amount that a unit of time adds to `start`.
     pub rise: f32,

@@ -1,7 +1,7 @@
 //! The least energy with which a bob can pass the top. Friction only takes energy away, so a pendulum
 //! that falls below it provably never flips and is done early.
 
-use crate::physics::{Pendulum, Rule};
+use flipmap_pendulum::{Pendulum, Rule};
 
 /// Share of the energy's range by which a pendulum must lie below the bound: more than any error of
 /// its energy, in f32 too.
@@ -17,7 +17,7 @@ pub(super) fn least_energy(reduced: &Pendulum<f64>, rule: Rule) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::State;
+    use flipmap_pendulum::State;
 
     #[test]
     fn only_what_can_never_pass_the_top_is_done_early() {

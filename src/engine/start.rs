@@ -15,13 +15,14 @@ use super::{
     Carried, End, Ends, EngineError, IntegratorConfig, IntegratorState, Job, Method, Moving,
     NUMBERS, Onset, Precision, Question, Starts,
 };
-use crate::physics::dual::Dual;
-use crate::physics::embedded::{dop853, plus};
-use crate::physics::first_moments::FirstMoments;
-use crate::physics::phase::Phase;
-use crate::physics::series::{MotionSeries, ORDER_F64};
-use crate::physics::tangents::{TangentMap, Tangents, log_growth, released};
-use crate::physics::{Accumulators, Dd, Launch, Pendulum, Scalar, State, control};
+use flipmap_numbers::dual::Dual;
+use flipmap_numbers::{Dd, Scalar};
+use flipmap_pendulum::embedded::{dop853, plus};
+use flipmap_pendulum::first_moments::FirstMoments;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
+use flipmap_pendulum::tangents::{TangentMap, Tangents, log_growth, released};
+use flipmap_pendulum::{Accumulators, Launch, Pendulum, State, control};
 
 /// Names of the numbers of a fixed-step state.
 pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];

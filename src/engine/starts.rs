@@ -5,12 +5,13 @@ use rayon::prelude::*;
 use super::pace::Pace;
 use super::start::phase_at;
 use super::{IntegratorState, Question};
-use crate::physics::first_moments::FirstMoments;
-use crate::physics::phase::Phase;
-use crate::physics::tangents::TangentMap;
-use crate::physics::{Dd, Launch};
 use crate::scene::ExactPlane;
 use crate::scene::lattice::Cell;
+use flipmap_numbers::Dd;
+use flipmap_pendulum::Launch;
+use flipmap_pendulum::first_moments::FirstMoments;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::tangents::TangentMap;
 
 /// The states in which the pendulums of a job begin.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,5 +1,5 @@
 //! Symbols: numbers that record what is done to them, so that a kernel's maths is printed from the
-//! equations in `physics` and not written a second time.
+//! equations in `flipmap_pendulum` and not written a second time.
 //!
 //! The equations are generic over their number type. A [`Symbol`] is an index into a tape, to which
 //! every operator appends a node; run once on symbols, an equation leaves a list of operations,
@@ -35,10 +35,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::Precision;
 use super::shared::to_parts;
-use crate::physics::trig::{
+use flipmap_numbers::trig::{
     PI_PARTS_F32, PI_PARTS_F64, Rounding, SERIES_F32, SERIES_F64, sin_cos_with,
 };
-use crate::physics::{Angle, Real};
+use flipmap_numbers::{Angle, Real};
 
 /// An operation on the tape, or one of its inputs.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -395,7 +395,7 @@ fn failed(verb: &'static str, path: &Path) -> impl FnOnce(io::Error) -> PartErro
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Outcome;
+    use flipmap_pendulum::Outcome;
 
     fn samples(count: usize, first: f64) -> Samples {
         let mut samples = Samples::unflipped(count);

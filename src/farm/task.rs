@@ -362,8 +362,8 @@ mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
-    use crate::physics::Decimal;
     use crate::scene::keys::{Easing, Key};
+    use flipmap_numbers::Decimal;
 
     const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };

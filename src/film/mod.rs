@@ -149,12 +149,12 @@ fn different_views(shots: &[Shot]) -> Vec<&Shot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Outcome, Status};
     use crate::scene::keys::{Easing, Key};
     use crate::scene::palette::{Ground, Tones};
     use crate::scene::{Budget, Document, PictureTable};
     use crate::tiles::Samples;
     use crate::tiles::patches::PATCH_SAMPLES;
+    use flipmap_pendulum::{Outcome, Status};
 
     fn key(secs: f64, width: &str, budget: f64) -> Key {
         let mut scene = Document::default();

@@ -6,7 +6,7 @@ use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{FigureCanvas, end, ends, wrapped};
 use super::{FigureRequest, LiveFigure};
-use crate::physics::State;
+use flipmap_pendulum::State;
 
 /// A live figure of two angles, and of the second pivot riding on the first bob.
 #[derive(Clone, Debug)]

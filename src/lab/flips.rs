@@ -7,9 +7,9 @@ use super::Figure;
 use super::chart::plain;
 use super::colour_words::colour_words;
 use super::controls::{brief, row};
-use crate::physics::{Pendulum, Rule};
 use crate::scene::palette::{AnswerColours, Rgb};
 use crate::scene::{Document, Kind, Plane, PlaneKind, QuestionTable, Scene};
+use flipmap_pendulum::{Pendulum, Rule};
 
 /// Counts of the map's known pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -7,8 +7,8 @@ use super::controls::{coloured_row, row};
 use super::drawing::{FigureCanvas, Tint, end};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
-use crate::physics::State;
-use crate::physics::simple::MOST_AMPLITUDE;
+use flipmap_pendulum::State;
+use flipmap_pendulum::simple::MOST_AMPLITUDE;
 
 /// A live figure of a swing and its ghost.
 #[derive(Clone, Debug)]

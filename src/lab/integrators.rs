@@ -10,9 +10,9 @@ use super::controls::{coloured_row, number_on, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, Tint, ends, wrapped};
 use super::{FigureRequest, LiveFigure};
-use crate::physics::integrator::{euler, rk4, semi_implicit_euler};
-use crate::physics::trig::Turning;
-use crate::physics::{Pendulum, State};
+use flipmap_numbers::trig::Turning;
+use flipmap_pendulum::integrator::{euler, rk4, semi_implicit_euler};
+use flipmap_pendulum::{Pendulum, State};
 
 /// One of the three integrators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::FigureCanvas;
 use super::{FigureRequest, LiveFigure, equation};
-use crate::physics::State;
+use flipmap_pendulum::State;
 
 /// A live figure of the double pendulum with its equation and energy.
 #[derive(Clone, Debug)]
@@ -128,8 +128,8 @@ pub(super) fn motion(simulation: &DoublePendulumSimulation, secs: f64) -> String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::taylor::Orbit;
-    use crate::physics::{Dd, Scalar};
+    use flipmap_numbers::{Dd, Scalar};
+    use flipmap_pendulum::taylor::Orbit;
 
     #[test]
     fn rows_are_states_at_their_moments() {

@@ -31,7 +31,7 @@ use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};
 use playing::Playing;
 
-use crate::physics::State;
+use flipmap_pendulum::State;
 
 /// A figure of the lesson.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,8 +7,8 @@ use super::controls::row;
 use super::drawing::{FigureCanvas, Tint, end};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
-use crate::physics::State;
-use crate::physics::simple::Swing;
+use flipmap_pendulum::State;
+use flipmap_pendulum::simple::Swing;
 
 /// A live figure of one coordinate, one mass, one rod, and gravity.
 #[derive(Clone, Debug)]

@@ -5,7 +5,7 @@ use egui::{Grid, Response, Ui};
 use super::clock::Clock;
 use super::controls::number;
 use super::drawing::{FigureCanvas, angle_of, end};
-use crate::physics::simple::{Crossings, MOST_AMPLITUDE, Simple, Swing};
+use flipmap_pendulum::simple::{Crossings, MOST_AMPLITUDE, Simple, Swing};
 
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;

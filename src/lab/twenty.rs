@@ -8,10 +8,11 @@ use super::controls::{brief, number_on, row, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, Tint, ends};
 use super::{FigureRequest, LiveFigure};
-use crate::physics::integrator::rk4;
-use crate::physics::separation::{Growth, Reading, Ruler, SATURATED_RAD};
-use crate::physics::trig::Turning;
-use crate::physics::{Dd, State};
+use flipmap_numbers::Dd;
+use flipmap_numbers::trig::Turning;
+use flipmap_pendulum::State;
+use flipmap_pendulum::integrator::rk4;
+use flipmap_pendulum::separation::{Growth, Reading, Ruler, SATURATED_RAD};
 
 /// Pendulums released from almost the same start.
 #[derive(Clone, Debug)]
@@ -237,8 +238,8 @@ impl LiveFigure for Twenty {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::taylor::Orbit;
     use crate::scene::Build;
+    use flipmap_pendulum::taylor::Orbit;
 
     #[test]
     fn the_climb_is_that_of_the_tangent_map() {

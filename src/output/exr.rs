@@ -14,9 +14,9 @@ use exr::prelude::{ChannelDescription, Compression, Error, LineOrder, SampleType
 
 use super::npy::number_of;
 use crate::engine::Trust;
-use crate::physics::Status;
 use crate::scene::{Document, QuestionTable};
 use crate::tiles::Samples;
+use flipmap_pendulum::Status;
 
 /// Contents of a channel of the file.
 #[derive(Clone, Copy)]
@@ -192,9 +192,9 @@ fn cause(error: Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Outcome;
     use exr::prelude::{AnyChannel, AnyChannels, Blocks, Encoding, FlatImage, FlatSamples};
     use exr::prelude::{Image, Layer, ReadChannels, ReadLayers, SmallVec, WritableImage, read};
+    use flipmap_pendulum::Outcome;
     use std::io::Cursor;
 
     /// Samples of every kind, no two rows alike.

@@ -1,9 +1,10 @@
 //! The moments at which an orbit comes nearest to its start, found on its expansions.
 
 use super::trace_channels::reduced_phase;
-use crate::physics::phase::{Phase, distance};
-use crate::physics::taylor::TaylorStep;
-use crate::physics::{Dd, Pendulum};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::Pendulum;
+use flipmap_pendulum::phase::{Phase, distance};
+use flipmap_pendulum::taylor::TaylorStep;
 
 /// Number of parts of a step in which a minimum of the distance is looked for.
 const PARTS: u32 = 16;

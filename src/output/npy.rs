@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
-use crate::physics::Status;
 use crate::scene::PictureTable;
 use crate::tiles::Samples;
+use flipmap_pendulum::Status;
 
 /// Writes rows of samples as they come.
 pub struct NpyWriter<W: Write> {
@@ -138,7 +138,7 @@ pub fn number_of(status: Status, value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Outcome;
+    use flipmap_pendulum::Outcome;
 
     #[test]
     fn the_header_is_that_of_numpy() {

@@ -161,7 +161,7 @@ impl RenderState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Status;
+    use flipmap_pendulum::Status;
 
     fn state() -> RenderState {
         let mut kept = SavedPixels::default();
@@ -217,7 +217,7 @@ mod tests {
             ("question", |document| document.question.ask = crate::question::Ask::First),
             ("number of flips", |document| document.question.count = 2),
             ("pendulum", |document| document.pendulum.gravity = 1.0.into()),
-            ("rule", |document| document.question.rule = crate::physics::Rule::First),
+            ("rule", |document| document.question.rule = flipmap_pendulum::Rule::First),
             ("view", |document| document.view.width = "1".to_string()),
             ("size", |document| document.run.size = Some([1, 2])),
             ("30 s already", |document| document.question.budget.secs = 20.0),

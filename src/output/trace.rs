@@ -2,12 +2,13 @@
 //! double-double.
 
 use super::trace_channels::TraceChannels;
-use crate::physics::first_moments::FirstPass;
-use crate::physics::opening::Opening;
-use crate::physics::passes::{Pass, passes_in};
-use crate::physics::taylor::{Orbit, TaylorStep};
-use crate::physics::{Dd, Pendulum, Rule, Scalar, State, Theta};
 use crate::scene::{Scene, in_rad};
+use flipmap_numbers::{Dd, Scalar, Theta};
+use flipmap_pendulum::first_moments::FirstPass;
+use flipmap_pendulum::opening::Opening;
+use flipmap_pendulum::passes::{Pass, passes_in};
+use flipmap_pendulum::taylor::{Orbit, TaylorStep};
+use flipmap_pendulum::{Pendulum, Rule, State};
 
 /// The numbers of a motion are no longer finite: it is too fast for its pendulum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -29,7 +30,7 @@ pub enum Advance {
 ///
 /// ```
 /// use flipmap::output::{Advance, Trace, launch_from_text};
-/// use flipmap::physics::Dd;
+/// use flipmap_numbers::Dd;
 /// use flipmap::scene::Scene;
 ///
 /// let start = launch_from_text("3,3").unwrap();

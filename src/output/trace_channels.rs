@@ -2,13 +2,14 @@
 
 use super::nearest_return::ReturnSearch;
 use crate::engine::start::whole_turns;
-use crate::physics::passes::Pass;
-use crate::physics::phase::Phase;
-use crate::physics::tangents::TangentMap;
-use crate::physics::taylor::TaylorStep;
-use crate::physics::{Dd, Pendulum, State};
 use crate::question::{Followed, Needs, TraceColumns};
 use crate::scene::{QuestionTable, Scene};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::passes::Pass;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::tangents::TangentMap;
+use flipmap_pendulum::taylor::TaylorStep;
+use flipmap_pendulum::{Pendulum, State};
 
 /// A question's findings about a pendulum so far.
 pub(super) struct TraceChannels {

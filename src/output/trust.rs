@@ -1,9 +1,9 @@
 //! A picture of how sure each pixel is.
 
 use crate::engine::Trust;
-use crate::physics::Status;
 use crate::scene::palette::{Ground, Rgb};
 use crate::tiles::Samples;
+use flipmap_pendulum::Status;
 
 /// Colours by trust: dark for what a cheap check confirmed, brighter for what took more, red for
 /// what stays open. The order holds in grey too.
@@ -27,7 +27,7 @@ pub fn trust_colours(samples: &Samples) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Outcome;
+    use flipmap_pendulum::Outcome;
 
     #[test]
     fn every_trust_has_a_colour_of_its_own_in_its_place() {

@@ -5,9 +5,9 @@ use super::{
     Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
     QuestionKind, TraceColumns, Watches,
 };
-use crate::physics::Rule;
-use crate::physics::crossing::bob_at_top;
-use crate::physics::passes::Pass;
+use flipmap_pendulum::Rule;
+use flipmap_pendulum::crossing::bob_at_top;
+use flipmap_pendulum::passes::Pass;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "first",
@@ -55,7 +55,7 @@ fn apart(answer: &[f64], truth: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Accumulators, Outcome, Pendulum};
+    use flipmap_pendulum::{Accumulators, Outcome, Pendulum};
 
     #[test]
     fn the_bob_at_the_top_is_the_one_whose_sine_vanishes() {

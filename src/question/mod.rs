@@ -19,10 +19,11 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::physics::flip::right_secs;
-use crate::physics::passes::Pass;
-use crate::physics::phase::Phase;
-use crate::physics::{Accumulators, Dd, Outcome, Pendulum, Rule};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::flip::right_secs;
+use flipmap_pendulum::passes::Pass;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule};
 
 /// The name of a question.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

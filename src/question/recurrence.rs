@@ -4,7 +4,7 @@ use super::{
     Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
     QuestionKind, TraceColumns, Watches,
 };
-use crate::physics::Rule;
+use flipmap_pendulum::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "return",

@@ -6,7 +6,8 @@ use super::{
     Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
     QuestionKind, TraceColumns, Watches,
 };
-use crate::physics::{Dd, Rule};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::Rule;
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
     name: "state",

@@ -3,8 +3,9 @@
 use std::time::Instant;
 
 use crate::engine::Question;
-use crate::physics::trig::Turning;
-use crate::physics::{Dd, Outcome, State, Status, flip, integrator};
+use flipmap_numbers::Dd;
+use flipmap_numbers::trig::Turning;
+use flipmap_pendulum::{Outcome, State, Status, flip, integrator};
 
 /// Step of the loop in seconds.
 pub const STEP_SECS: f64 = 1.0 / 120.0;

@@ -13,7 +13,8 @@ use super::windows::Window;
 use super::{ReportError, as_words, stopwatch};
 use crate::engine::trust::TrustEngine;
 use crate::engine::{Accuracy, IntegratorConfig};
-use crate::physics::{Dd, Outcome, Rule, Status};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Outcome, Rule, Status};
 
 /// A window, and the errors of `balanced` in it.
 #[derive(Clone, Debug, Serialize)]

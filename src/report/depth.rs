@@ -17,10 +17,11 @@ use super::statistics::{Errors, median};
 use super::{ReportError, StopTest, as_words};
 use crate::engine::depth::DepthEngine;
 use crate::engine::{Cells, Effort, Engine, IntegratorConfig};
-use crate::physics::{Fixed, Outcome, Pendulum, Scalar, Theta, oracle};
 use crate::scene::{Scene, View};
 use crate::tiles::preview::preview;
 use crate::tiles::{Samples, Work};
+use flipmap_numbers::{Fixed, Scalar, Theta};
+use flipmap_pendulum::{Outcome, Pendulum, oracle};
 
 /// A view on a filament, found by zooming in from (1.0, 2.0).
 #[derive(Clone, Copy, Debug)]
@@ -341,7 +342,7 @@ pub(super) const PLACES: [FilamentPlace; 11] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Status;
+    use flipmap_pendulum::Status;
 
     #[test]
     fn places_lie_in_one_another_and_have_structure() {

@@ -10,7 +10,8 @@ use super::truth::oracle_dd;
 use super::{ReportError, Row};
 use crate::engine::trust::TrustEngine;
 use crate::engine::{Accuracy, Engine, EngineError, IntegratorConfig, Trust};
-use crate::physics::{Dd, Outcome};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::Outcome;
 
 /// A pixel answered with and without checks.
 #[derive(Clone, Copy, Debug)]
@@ -178,8 +179,8 @@ fn contradicted(pairs: &[OutcomePair], unchecked: &[Outcome], truth: &[Outcome])
 mod tests {
     use super::*;
     use crate::engine::cpu::CpuEngine;
-    use crate::physics::Status;
     use crate::report::plan;
+    use flipmap_pendulum::Status;
 
     fn pixel(answer: f64, trust: Trust, unchecked: f64) -> Checked {
         let flip = Outcome::flipped;

@@ -3,7 +3,7 @@
 use super::depth::UsByWay;
 use super::*;
 use crate::engine::EngineKind;
-use crate::physics::{Outcome, Status};
+use flipmap_pendulum::{Outcome, Status};
 
 /// A report with two rows, a refusal by an engine, and one measurement missing.
 pub(super) fn report() -> Report {

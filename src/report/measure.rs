@@ -7,7 +7,8 @@ use super::stopwatch::{self, TimedRun};
 use super::test_set::{TestSet, spread};
 use super::{ReportError, Row, Specialising, StopTest, baseline};
 use crate::engine::{Engine, EngineError, IntegratorConfig, Method, Precision};
-use crate::physics::{Dd, Outcome};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::Outcome;
 
 /// Starts of the first run, which compiles kernels, and of the second, which is timed roughly.
 const FIRST_STARTS: usize = 64;

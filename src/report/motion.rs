@@ -8,14 +8,15 @@ use serde::Serialize;
 
 use super::{ReportError, StopTest, as_words};
 use crate::engine::{IntegratorConfig, Method, Precision};
-use crate::physics::control::{Control, FIRST, LONGEST};
-use crate::physics::embedded::{Trial, dop853, dopri5};
-use crate::physics::phase::Phase;
-use crate::physics::series::{MotionSeries, ORDER_F64};
-use crate::physics::taylor::{Orbit, TaylorStep};
-use crate::physics::trig::Turning;
-use crate::physics::{Angle, Dd, Pendulum, Scalar, State, integrator};
 use crate::scene::Scene;
+use flipmap_numbers::trig::Turning;
+use flipmap_numbers::{Angle, Dd, Scalar};
+use flipmap_pendulum::control::{Control, FIRST, LONGEST};
+use flipmap_pendulum::embedded::{Trial, dop853, dopri5};
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
+use flipmap_pendulum::taylor::{Orbit, TaylorStep};
+use flipmap_pendulum::{Pendulum, State, integrator};
 
 /// Seconds after the release at which errors are evaluated.
 pub const TIMES_SECS: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 20.0];

@@ -2,12 +2,13 @@
 //! double-double as it reads an engine's.
 
 use crate::engine::start::whole_turns;
-use crate::physics::passes::{Pass, passes_until};
-use crate::physics::phase::distance;
-use crate::physics::taylor::Orbit;
-use crate::physics::{Accumulators, Dd, Outcome, State, Status, tangents};
 use crate::question::{Ending, Needs};
 use crate::scene::Scene;
+use flipmap_numbers::Dd;
+use flipmap_pendulum::passes::{Pass, passes_until};
+use flipmap_pendulum::phase::distance;
+use flipmap_pendulum::taylor::Orbit;
+use flipmap_pendulum::{Accumulators, Outcome, State, Status, tangents};
 
 /// The channels of the true orbit from a start; `None` if it has no answer.
 pub(super) fn true_answer(scene: &Scene, start: State<Dd>) -> Option<Vec<f64>> {

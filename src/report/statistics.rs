@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::physics::{Outcome, Status};
+use flipmap_pendulum::{Outcome, Status};
 
 /// Largest error of a flip time that counts as right, s.
 pub const RIGHT_SECS: f64 = 1e-3;

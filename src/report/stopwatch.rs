@@ -7,7 +7,8 @@ use crate::engine::{
     Effort, Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Question, Starts, Trust,
     Wait,
 };
-use crate::physics::{Dd, Outcome};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::Outcome;
 
 /// The results of a run.
 pub struct TimedRun {

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use super::{ReportError, StopTest, stopwatch};
 use crate::engine::cpu::CpuEngine;
 use crate::engine::{IntegratorConfig, Method, Precision, Question};
-use crate::physics::{Dd, Outcome, Scalar, oracle};
+use flipmap_numbers::{Dd, Scalar};
+use flipmap_pendulum::{Outcome, oracle};
 
 /// The config with the finest steps of double-double, which decides late and narrow windows.
 pub const FINEST: IntegratorConfig =

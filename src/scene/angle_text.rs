@@ -1,6 +1,6 @@
 //! Angles as people write them: in rad, in degrees (`-95deg`, `-95°`) or in parts of π (`0.5pi`).
 
-use crate::physics::{Scalar, Theta};
+use flipmap_numbers::{Scalar, Theta};
 
 /// Number of digits after the point of angles that are converted: as many as [`Theta`] is read back from
 /// exactly, so that 180° is exactly the top.

@@ -6,8 +6,8 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Build, View};
-use crate::physics::Scalar;
-use crate::physics::growth::time_to_grow;
+use flipmap_numbers::Scalar;
+use flipmap_pendulum::growth::time_to_grow;
 
 /// Simulated seconds that a pixel may use.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -66,9 +66,9 @@ impl BuiltIn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Outcome, Status};
-    use crate::physics::{Scalar, Theta};
     use crate::scene::{Fate, Grid};
+    use flipmap_numbers::{Scalar, Theta};
+    use flipmap_pendulum::{Outcome, Status};
 
     #[test]
     fn every_scene_is_valid_and_has_a_sentence_of_its_own() {

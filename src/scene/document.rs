@@ -200,7 +200,7 @@ pub(crate) fn one_line(error: &toml::de::Error, text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Rule;
+    use flipmap_pendulum::Rule;
 
     fn refused(text: &str) -> String {
         Document::parse(text).unwrap_err().to_string()

@@ -6,8 +6,9 @@
 use super::lattice::{Cell, side_rad};
 use super::plane::{omega2_beside, speeds_on_section, square_of_omega1};
 use super::{Axis, Build, Plane};
-use crate::physics::jet::Jet;
-use crate::physics::{Angle, Pendulum, Rule, Scalar, State, Theta};
+use flipmap_numbers::jet::Jet;
+use flipmap_numbers::{Angle, Scalar, Theta};
+use flipmap_pendulum::{Pendulum, Rule, State};
 
 /// A plane of starts in exact numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,8 +144,8 @@ impl ExactPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Dd;
     use crate::scene::{PlaneKind, Turn};
+    use flipmap_numbers::Dd;
 
     #[test]
     fn starts_of_a_cell_are_those_of_the_plane() {

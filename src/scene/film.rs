@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::exact_length::exactly;
 use super::keys::Key;
 use super::{Axis, Budget, Build, Plane, QuestionTable, Scene, SceneError, View};
-use crate::physics::{Decimal, Scalar, Theta};
+use flipmap_numbers::{Decimal, Scalar, Theta};
 
 /// Frames of one size along a path of keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -396,7 +396,7 @@ mod tests {
         assert!(refused(vec![key(0.0, |_| ())]).contains("two keys or more, and this one has 1"));
         let rods = |scene: &mut Document| scene.pendulum.kind = crate::scene::Kind::Rods;
         assert!(refused(vec![key(0.0, |_| ()), key(1.0, rods)]).contains("key 2 has another kind"));
-        let first = |scene: &mut Document| scene.question.rule = crate::physics::Rule::First;
+        let first = |scene: &mut Document| scene.question.rule = flipmap_pendulum::Rule::First;
         assert!(refused(vec![key(0.0, |_| ()), key(1.0, first)]).contains("another rule"));
         let clock = Key { clock: Some(1.0), ..key(1.0, |_| ()) };
         let error = refused(vec![key(0.0, |_| ()), clock]);

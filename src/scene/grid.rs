@@ -6,8 +6,9 @@ pub use self::fate::Fate;
 use super::leaf_grid::{Grouped, LeafGrid};
 use super::plane::{PlaneNumbers, wrapped};
 use super::{Axis, ExactPlane, Sampling, Scene};
-use crate::physics::opening::Opening;
-use crate::physics::{Angle, Dd, Launch, Pendulum, Rule, Scalar, State, Theta};
+use flipmap_numbers::{Angle, Dd, Scalar, Theta};
+use flipmap_pendulum::opening::Opening;
+use flipmap_pendulum::{Launch, Pendulum, Rule, State};
 
 /// The starts of a picture of a scene.
 #[derive(Clone, Debug)]
@@ -321,8 +322,8 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Outcome, Status};
     use crate::scene::{QuestionTable, View};
+    use flipmap_pendulum::{Outcome, Status};
 
     fn grid(view: View, size: [u32; 2]) -> Grid {
         let scene = Scene { view, ..Scene::default() };

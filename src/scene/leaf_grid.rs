@@ -6,7 +6,7 @@
 use super::ExactPlane;
 use super::lattice::Cell;
 use super::turn::Turn;
-use crate::physics::{Dd, Scalar, Theta};
+use flipmap_numbers::{Dd, Scalar, Theta};
 
 /// Pixels by the leaf in which they lie: for each its place among all and its point in [−1, 1]².
 pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;

@@ -94,8 +94,8 @@ fn three_numbers(text: &str) -> Result<Scene, LocationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Rule;
     use crate::scene::{BUILT_IN, Budget, Build, Kind, QuestionTable, View};
+    use flipmap_pendulum::Rule;
     use proptest::prelude::*;
 
     fn refused(text: &str) -> String {

@@ -46,8 +46,9 @@ pub use words::Word;
 use serde::{Deserialize, Serialize};
 
 use self::exact_length::exactly;
-use crate::physics::{Dd, Decimal, Pendulum, Rule, Scalar};
 use crate::question::Ask;
+use flipmap_numbers::{Dd, Decimal, Scalar};
+use flipmap_pendulum::{Pendulum, Rule};
 
 /// Kind of pendulum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -296,7 +297,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Theta;
+    use flipmap_numbers::Theta;
 
     #[test]
     fn the_five_numbers_are_right_to_the_last_digit_of_every_type() {

@@ -10,7 +10,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::angle_text::in_rad;
 use super::exact_length::exactly;
 use super::{Build, SceneError};
-use crate::physics::{Dd, Launch, Pendulum, Real, Scalar};
+use flipmap_numbers::{Dd, Real, Scalar};
+use flipmap_pendulum::{Launch, Pendulum};
 
 /// A plane of starts. Its coordinates are those of [`super::View::center`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -359,7 +360,7 @@ impl<'de> Deserialize<'de> for PlaneKind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::State;
+    use flipmap_pendulum::State;
 
     #[test]
     fn planes_are_known_by_name_or_by_their_axes() {

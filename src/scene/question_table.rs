@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Budget, SceneError};
-use crate::physics::Rule;
 use crate::question::{Ask, Needs, Watches};
+use flipmap_pendulum::Rule;
 
 /// The question asked about every start. Keys added after the first release are written only where
 /// they differ from their defaults.

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::{Add, Sub};
 use std::sync::OnceLock;
 
-use crate::physics::{Fixed, Scalar, Theta};
+use flipmap_numbers::{Fixed, Scalar, Theta};
 
 /// A place along one axis of the torus, in turns: 0 at θ = −π, 1 one turn further. It is no
 /// [`Theta`], so that turns and radians cannot be mixed.

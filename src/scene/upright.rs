@@ -8,8 +8,9 @@ use std::ops::Range;
 
 use super::Grid;
 use super::grid::SURE;
-use crate::physics::opening::from_top;
-use crate::physics::{Dd, Rule};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::Rule;
+use flipmap_pendulum::opening::from_top;
 
 /// The angles of some columns and rows of an upright grid.
 #[derive(Clone, Debug)]
@@ -78,8 +79,8 @@ impl UprightGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Status;
     use crate::scene::{BuiltIn, Fate, Scene, View};
+    use flipmap_pendulum::Status;
 
     fn upright(grid: &Grid) -> Option<UprightGrid> {
         grid.upright(0..grid.size()[0], 0..grid.size()[1])

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::exact_length::exactly;
 use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError};
-use crate::physics::{Dd, Scalar, Theta};
+use flipmap_numbers::{Dd, Scalar, Theta};
 
 /// Smallest width of a view in rad.
 pub const LEAST_WIDTH: f64 = 1e-100;

@@ -1,8 +1,9 @@
 //! The numbers of a scene as words: `rule` as an option, a key, or in a location as `rule=either`.
 
 use super::{Axis, Kind, Plane, PlaneKind, QuestionTable, Scene, SceneError};
-use crate::physics::{Decimal, Rule};
 use crate::question::Ask;
+use flipmap_numbers::Decimal;
+use flipmap_pendulum::Rule;
 
 /// One number of a scene, or a pair of numbers, that has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,8 +9,8 @@ use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
 use super::stride::Stride;
 use crate::engine::IntegratorState;
-use crate::physics::Status;
 use crate::scene::lattice::{Cell, SAMPLES, SIDE};
+use flipmap_pendulum::Status;
 
 /// A computed cell.
 #[derive(Clone, Debug)]

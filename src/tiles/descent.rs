@@ -10,8 +10,9 @@ use super::bands::Bands;
 use super::preview::preview;
 use super::{Samples, Work};
 use crate::engine::{Engine, EngineError, IntegratorConfig};
-use crate::physics::{Outcome, Scalar, Status, Theta};
 use crate::scene::{Budget, Scene};
+use flipmap_numbers::{Scalar, Theta};
+use flipmap_pendulum::{Outcome, Status};
 
 /// Side in pixels of the small pictures.
 const SIDE: u32 = 32;

@@ -12,9 +12,9 @@ use super::stride::Stride;
 use crate::engine::{
     Cells, Deep, IntegratorConfig, IntegratorState, Leaf, StartList, Starts, Trust, Upright,
 };
-use crate::physics::Outcome;
 use crate::scene::lattice::Cell;
 use crate::scene::{ExactPlane, Fate, Grid, Grouped, Scene, UprightGrid};
+use flipmap_pendulum::Outcome;
 
 /// A pixel of an earlier run, and the trust of its outcome.
 pub(super) type Known = (SavedPixel, Trust);

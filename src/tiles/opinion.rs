@@ -9,8 +9,8 @@ use crate::engine::trust::{Opinion, TrustEngine};
 use crate::engine::{
     Cells, Engine, EngineError, IntegratorConfig, Keep, Question, Starts, Trust, run_job,
 };
-use crate::physics::Status;
 use crate::scene::{Grid, Scene};
+use flipmap_pendulum::Status;
 
 /// Maximum number of pixels that are integrated directly.
 const MOST: usize = 8;
@@ -66,7 +66,7 @@ fn answers(
     open: OpenTile,
     config: IntegratorConfig,
     engine: &mut dyn Engine,
-    phase: &dyn Fn(usize) -> Option<crate::physics::phase::Phase<f64>>,
+    phase: &dyn Fn(usize) -> Option<flipmap_pendulum::phase::Phase<f64>>,
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Samples>, EngineError> {
     let question = Question::from(scene);

@@ -98,8 +98,8 @@ pub(super) fn leaf_pixels(finest: u32, target_level: u32, level: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Scalar, Theta};
     use crate::scene::lattice::SIDE;
+    use flipmap_numbers::{Scalar, Theta};
 
     #[test]
     fn finer_levels_have_the_same_leaves() {

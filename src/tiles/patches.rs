@@ -125,9 +125,9 @@ pub fn canonical(patches: &[Cell]) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Scalar;
-    use crate::physics::Theta;
     use crate::scene::View;
+    use flipmap_numbers::Scalar;
+    use flipmap_numbers::Theta;
 
     fn scene(center: [f64; 2], width: f64) -> Scene {
         let center = center.map(|angle| angle.to_string());

@@ -23,8 +23,8 @@ use super::open_tile::Known;
 use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
 use super::view_target::ViewTarget;
-use crate::physics::{Outcome, Status};
 use crate::scene::lattice::{Cell, DEEPEST, SIDE};
+use flipmap_pendulum::{Outcome, Status};
 
 /// Something about the quarters of a cell, row by row from the upper left.
 pub(super) type Quarters = [bool; 4];

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::{Effort, Trust};
-use crate::physics::{Outcome, Status};
+use flipmap_pendulum::{Outcome, Status};
 
 /// Answers and their trust, stored compactly.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::IntegratorState;
-use crate::physics::{Outcome, Status};
+use flipmap_pendulum::{Outcome, Status};
 
 /// Pixels by their index in the picture, row by row from the top. Forbidden pixels and mirror
 /// images are not among them, because they need no integration.

@@ -13,9 +13,9 @@ use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
 use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Question, Trust, Wait};
-use crate::physics::Status;
 use crate::question::Ask;
 use crate::scene::{Grid, Sampling, Scene};
+use flipmap_pendulum::Status;
 
 /// A tile and the samples of its pixels, in the order of [`Tile::pixels`].
 #[derive(Clone, Debug, PartialEq)]

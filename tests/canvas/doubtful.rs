@@ -6,7 +6,8 @@ use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{
     Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Starts, Trust, Wait,
 };
-use flipmap::physics::{Dd, Outcome, Status};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Outcome, Status};
 
 #[derive(Default)]
 pub(crate) struct Doubtful {

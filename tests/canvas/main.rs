@@ -21,7 +21,6 @@ use flipmap::app::hover::sample_at;
 use flipmap::app::reach::Reach;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Method, Precision, Question};
-use flipmap::physics::{Dd, Decimal, Outcome, Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use flipmap::scene::palette::{FAILED, Ground, Rgb, Tones, equalised, light};
 use flipmap::scene::{
@@ -30,6 +29,8 @@ use flipmap::scene::{
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::{Physics, ViewTarget};
+use flipmap_numbers::{Dd, Decimal, Scalar, Theta};
+use flipmap_pendulum::{Outcome, Status};
 use glam::DVec2;
 use offscreen::{Paint, SIZE, Studio};
 

@@ -7,7 +7,6 @@ use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::BALANCED;
 use flipmap::engine::{Engine, IntegratorConfig};
 use flipmap::output::{RowOrder, RowPainter};
-use flipmap::physics::{Scalar, Status, Theta};
 use flipmap::scene::lattice::{Cell, pitch_rad, side_rad};
 use flipmap::scene::palette::equalised;
 use flipmap::scene::{BuiltIn, PictureTable, Scene};
@@ -15,6 +14,8 @@ use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap::tiles::{Samples, Work};
+use flipmap_numbers::{Scalar, Theta};
+use flipmap_pendulum::Status;
 
 use crate::offscreen::{Paint, SIZE, Studio};
 use crate::{PLAIN, beyond};

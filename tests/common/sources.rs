@@ -16,3 +16,9 @@ pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
     }
     found
 }
+
+/// The Rust files of the product: the program's and its crates'.
+pub(crate) fn product_files() -> Vec<PathBuf> {
+    let crates = fs::read_dir("crates").unwrap().map(|entry| entry.unwrap().path().join("src"));
+    crates.chain(["src".into()]).flat_map(|folder| rust_files(&folder)).collect()
+}

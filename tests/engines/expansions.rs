@@ -9,8 +9,9 @@ use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{
     Accuracy, End, Ends, Engine, Job, JobResult, Keep, Question, Starts, Trust, Wait,
 };
-use flipmap::physics::{Dd, Rule, Status};
 use flipmap::scene::Scene;
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Rule, Status};
 
 needs_adapter! {
     checks:

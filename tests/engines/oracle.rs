@@ -1,7 +1,8 @@
 //! The gold standard compared with exact reference values: the time of the first |θ| = π from rest
 //! for unit parameters (m = l = g = 1), on which two formulations agree to over 40 digits.
 
-use flipmap::physics::{Dd, Outcome, Pendulum, Rule, Scalar, Status, oracle};
+use flipmap_numbers::{Dd, Scalar};
+use flipmap_pendulum::{Outcome, Pendulum, Rule, Status, oracle};
 
 /// Starts (exact decimals) and times of the first |θ2| = π. The time of (−2, 3) was recomputed with
 /// 45 digits in another program, as were both of [`FIRST`]: an older table had lost or swapped

@@ -6,8 +6,8 @@ use flipmap::engine::{
     Engine, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Method, Precision, Question,
     Starts, Wait,
 };
-use flipmap::physics::{Rule, Status};
 use flipmap::scene::Scene;
+use flipmap_pendulum::{Rule, Status};
 
 needs_adapter! {
     checks:

@@ -4,8 +4,9 @@ use crate::common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Starts, Trust};
-use flipmap::physics::{Dd, Outcome, Pendulum, Status, oracle};
 use flipmap::scene::{Budget, QuestionTable as Asked, Scene, View};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Outcome, Pendulum, Status, oracle};
 use rayon::prelude::*;
 
 fn exact() -> TrustEngine<'static> {

@@ -1,10 +1,10 @@
 //! Finer samples at edges, which come last and only where they show something.
 
 use flipmap::engine::Engine;
-use flipmap::physics::Status;
 use flipmap::scene::lattice::SAMPLES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::ViewTarget;
+use flipmap_pendulum::Status;
 
 use super::common::*;
 use super::ledger::Ledger;

@@ -8,7 +8,7 @@ use flipmap::engine::{
     Engine, EngineError, EngineKind, IntegratorConfig, IntegratorState, Job, JobResult, Question,
     Starts, Wait,
 };
-use flipmap::physics::Dd;
+use flipmap_numbers::Dd;
 
 /// The identity of a pendulum: the bits of its start and its gravity.
 type Name = [u64; 5];

@@ -3,10 +3,11 @@
 use flipmap::engine::Precision;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::physics::{Decimal, Outcome, Status};
 use flipmap::question::Ask;
 use flipmap::scene::{Plane, PlaneKind, QuestionTable, Scene};
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_numbers::Decimal;
+use flipmap_pendulum::{Outcome, Status};
 use rayon::prelude::*;
 
 use crate::common::{gpu_engine, lesson};
@@ -72,7 +73,7 @@ fn the_bob_that_goes_first_is_the_one_whose_own_flip_comes_first() {
         by_cpu(&Scene { question, ..scene.clone() }, 30, BALANCED)
     };
     let [first, second] =
-        [flipmap::physics::Rule::First, flipmap::physics::Rule::Second].map(flips);
+        [flipmap_pendulum::Rule::First, flipmap_pendulum::Rule::Second].map(flips);
     let secs = |samples: &Samples, k| match samples.get(k) {
         Outcome { status: Status::Flipped, time } => time,
         _ => f64::INFINITY,

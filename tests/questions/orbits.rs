@@ -5,11 +5,12 @@ use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{
     Ends, Engine, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, Trust,
 };
-use flipmap::physics::taylor::Orbit;
-use flipmap::physics::{Dd, State, Status};
 use flipmap::question::Ask;
 use flipmap::scene::{Plane, PlaneKind, Scene};
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::taylor::Orbit;
+use flipmap_pendulum::{State, Status};
 use rayon::prelude::*;
 
 use crate::common::{gpu_engine, lesson};

@@ -3,12 +3,13 @@
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{Engine, IntegratorConfig, Precision};
-use flipmap::physics::taylor::Orbit;
-use flipmap::physics::{Decimal, State, Status};
 use flipmap::question::Ask;
 use flipmap::scene::Plane;
 use flipmap::tiles::moments::Moments;
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_numbers::Decimal;
+use flipmap_pendulum::taylor::Orbit;
+use flipmap_pendulum::{State, Status};
 
 use crate::common::{gpu_engine, lesson};
 use crate::truth::*;

@@ -6,7 +6,7 @@ use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 
 use crate::shader_structs::members;
-use crate::sources::rust_files;
+use crate::sources::{product_files, rust_files};
 use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
@@ -18,16 +18,15 @@ use flipmap::engine::shared::{
 };
 use flipmap::engine::{Ends, IntegratorConfig, Method, Precision, Question, Trust};
 use flipmap::output::sha256;
-use flipmap::physics::{Decimal, Rule, Status};
 use flipmap::scene::lattice::SIDE;
 use flipmap::scene::{Build, Kind};
+use flipmap_numbers::Decimal;
+use flipmap_pendulum::{Rule, Status};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// The modules from left to right: a module may use only those before it.
-const ORDER: [&str; 11] = [
-    "physics", "question", "scene", "engine", "tiles", "output", "film", "farm", "report", "lab",
-    "app",
-];
+const ORDER: [&str; 10] =
+    ["question", "scene", "engine", "tiles", "output", "film", "farm", "report", "lab", "app"];
 
 /// The top-level names of every `use crate::{…}` in a text.
 fn grouped(text: &str) -> Vec<String> {
@@ -94,11 +93,9 @@ fn options_are_spelt_in_the_command_line_alone() {
         options_in("\"--width is 0\"\n// --width\n\"flipmap run --shard 1\""),
         ["\"--width is 0\""]
     );
-    for path in rust_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src")) {
+    for path in product_files() {
         // The stylesheet of the report has properties that begin so.
-        if path.components().any(|part| part.as_os_str() == "cli")
-            || path.ends_with("report/html.rs")
-        {
+        if path.components().any(|part| part.as_os_str() == "cli") || path.ends_with("html.rs") {
             continue;
         }
         let text = fs::read_to_string(&path).unwrap();
@@ -111,7 +108,7 @@ fn options_are_spelt_in_the_command_line_alone() {
 
 #[test]
 fn files_are_short() {
-    for file in rust_files(Path::new("src")).into_iter().chain(rust_files(Path::new("tests"))) {
+    for file in product_files().into_iter().chain(rust_files(Path::new("tests"))) {
         let text = fs::read_to_string(&file).unwrap();
         let lines = text.split("#[cfg(test)]").next().unwrap_or(&text).lines().count();
         assert!(lines <= 400, "{} has {lines} lines before its tests", file.display());

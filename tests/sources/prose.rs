@@ -3,15 +3,19 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::sources::rust_files;
+use crate::sources::{product_files, rust_files};
 
-/// The Rust files below a folder with their text before their unit tests.
-fn sources(folder: &Path) -> Vec<(PathBuf, String)> {
+/// Files with their text before their unit tests.
+fn before_tests(files: Vec<PathBuf>) -> Vec<(PathBuf, String)> {
     let before_tests = |file: PathBuf| {
         let text = fs::read_to_string(&file).unwrap();
         (file, text.split("#[cfg(test)]\nmod ").next().unwrap_or_default().to_string())
     };
-    rust_files(folder).into_iter().map(before_tests).collect()
+    files.into_iter().map(before_tests).collect()
+}
+
+fn sources() -> Vec<(PathBuf, String)> {
+    before_tests(product_files())
 }
 
 /// First words that make a clause of what should say what an item is or does.
@@ -40,8 +44,8 @@ fn headless_docs<'a>(text: &'a str, mark: &str) -> Vec<(usize, &'a str)> {
 
 #[test]
 fn doc_comments_say_what_an_item_is_or_does() {
-    let folders = ["src", "tests", "examples", "benches"].map(Path::new);
-    for (file, text) in folders.into_iter().flat_map(sources) {
+    let others = ["tests", "examples", "benches"].map(|folder| rust_files(Path::new(folder)));
+    for (file, text) in sources().into_iter().chain(before_tests(others.concat())) {
         for mark in MARKS {
             let found = headless_docs(&text, mark);
             assert!(found.is_empty(), "{}: {found:?}", file.display());
@@ -89,7 +93,7 @@ fn shared_type(line: &str) -> Option<&str> {
 
 #[test]
 fn a_name_that_modules_share_names_one_type() {
-    let all = sources(Path::new("src"));
+    let all = sources();
     let mut homes = std::collections::BTreeMap::<&str, Vec<&Path>>::new();
     for (file, text) in &all {
         // Every verb of the command line has options of its own.
@@ -106,7 +110,7 @@ fn a_name_that_modules_share_names_one_type() {
 
 #[test]
 fn a_word_of_the_glossary_names_one_type() {
-    let all = sources(Path::new("src"));
+    let all = sources();
     let defined: Vec<&str> =
         all.iter().flat_map(|(_, text)| text.lines()).filter_map(defined_type).collect();
     let times = |name: &str| defined.iter().filter(|other| **other == name).count();
@@ -142,7 +146,7 @@ const TABLES: [&str; 1] = ["pub fn dop853<T: Real>("];
 #[test]
 fn functions_are_short() {
     let mut lengths = Vec::new();
-    for (file, text) in sources(Path::new("src")) {
+    for (file, text) in sources() {
         for (head, lines) in items(&text, is_function) {
             let table = TABLES.contains(&head);
             assert!(lines.len() <= 60 || table, "{}: {head}: {}", file.display(), lines.len());
@@ -157,7 +161,7 @@ fn functions_are_short() {
 #[test]
 fn structs_have_few_fields() {
     let mut seen = 0;
-    for (file, text) in sources(Path::new("src")) {
+    for (file, text) in sources() {
         for (head, lines) in items(&text, |line| line.starts_with("struct ")) {
             let deeper = head.len() - head.trim_start().len() + 4;
             let is_field = |line: &&&str| {

@@ -3,9 +3,10 @@
 use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
 use flipmap::engine::choice::EngineRequest;
 use flipmap::engine::{Accuracy, EngineKind};
-use flipmap::physics::{Dd, Outcome, Status};
 use flipmap::scene::palette::Tones;
 use flipmap::scene::{Document, PictureTable, Sampling, Scene};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Outcome, Status};
 use image::{Rgb, RgbImage};
 
 use super::session::Told;

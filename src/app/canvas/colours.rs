@@ -133,9 +133,9 @@ fn linear(colour: Rgb) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Outcome;
     use crate::scene::Scale;
     use crate::tiles::Samples;
+    use flipmap_pendulum::Outcome;
 
     /// Index of the table entry that the shader takes for a time.
     fn entry(colours: &CardColours, secs: f64) -> usize {

@@ -17,7 +17,7 @@ use crate::scene::lattice::SIDE;
 use crate::scene::palette::Relief;
 use crate::tiles::Samples;
 
-/// The shader, with the status codes printed from [`crate::physics::Status`] and the numbers of the
+/// The shader, with the status codes printed from [`flipmap_pendulum::Status`] and the numbers of the
 /// light from the side.
 pub fn shader() -> String {
     let relief = format!(

@@ -1,9 +1,9 @@
 //! A sample packed into one word, as the atlas holds it (counterpart: shaders/picture.wgsl).
 
 use crate::engine::Trust;
-use crate::physics::{Outcome, Status};
 use crate::scene::palette::{AnswerColours, TimeScale};
 use crate::tiles::Samples;
+use flipmap_pendulum::{Outcome, Status};
 
 /// Offset of the stored logarithms: they count from 2^-32 s (counterpart in the shader).
 pub const LOG_BIAS: f64 = 32.0;

@@ -1,6 +1,7 @@
 //! The comparison of the map's outcome with the flight's for one pixel.
 
-use crate::physics::{Dd, Outcome, Status};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Outcome, Status};
 
 /// Largest difference of flip times, in seconds, that still counts as the same.
 pub const TOLERATED_SECS: f64 = 1e-3;

@@ -19,7 +19,8 @@ pub use self::playback::Playback;
 pub use self::record::{FlightEnding, Flip, Record, Track};
 pub use self::trail::Trail;
 use crate::engine::Question;
-use crate::physics::{Dd, Launch, Outcome, Pendulum, Status};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Launch, Outcome, Pendulum, Status};
 
 /// Shortest simulated duration of a flight, whatever the budget, in seconds.
 pub const LEAST_SECS: f64 = 30.0;
@@ -121,9 +122,9 @@ mod tests {
     use std::time::{Duration, Instant};
 
     use super::*;
-    use crate::physics::Decimal;
-    use crate::physics::{Rule, State, oracle, taylor::Orbit};
     use crate::scene::{Build, Scene};
+    use flipmap_numbers::Decimal;
+    use flipmap_pendulum::{Rule, State, oracle, taylor::Orbit};
 
     fn question(rule: Rule, budget_secs: f64) -> Question {
         Question { rule, budget_secs, ..Question::from(&Scene::default()) }
@@ -210,7 +211,7 @@ mod tests {
             let flight = complete(question(Rule::Second, 1.0), [start, beside]);
             let readings = &flight.record().readings;
             assert!((readings[0].separation_rad / 1e-9 - 1.0).abs() < 1e-6);
-            crate::physics::separation::Growth::fit(readings).expect("a line").rate_per_sec
+            flipmap_pendulum::separation::Growth::fit(readings).expect("a line").rate_per_sec
         };
         let (chaotic, regular) = (growth([2.2, 1.4]), growth([0.1, 0.1]));
         assert!(chaotic > 1.0 && regular.abs() < 0.1, "{chaotic} {regular}");

@@ -1,9 +1,10 @@
 //! The complete motion of one pendulum, stored as a polynomial for each step, so that any moment
 //! can be shown at once.
 
-use crate::physics::polynomial::evaluate;
-use crate::physics::taylor::TaylorStep;
-use crate::physics::{Dd, State};
+use flipmap_numbers::Dd;
+use flipmap_numbers::polynomial::evaluate;
+use flipmap_pendulum::State;
+use flipmap_pendulum::taylor::TaylorStep;
 
 /// One step of the integrator, in f64 and without the terms too small to be seen.
 #[derive(Clone, Debug)]
@@ -90,8 +91,8 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::taylor::Orbit;
     use crate::scene::Build;
+    use flipmap_pendulum::taylor::Orbit;
 
     fn recorded(angle: [f64; 2], until_secs: f64) -> (Orbit<Dd>, Motion) {
         let pendulum = Build::default().pendulum_in::<Dd>();

@@ -5,9 +5,10 @@ use std::time::{Duration, Instant};
 
 use super::record::{FlightEnding, Flip, Record, Track};
 use crate::engine::Question;
-use crate::physics::separation::{Reading, Ruler};
-use crate::physics::taylor::{Orbit, TaylorStep};
-use crate::physics::{Dd, Launch, Pendulum, Rule, Scalar, State, oracle};
+use flipmap_numbers::{Dd, Scalar};
+use flipmap_pendulum::separation::{Reading, Ruler};
+use flipmap_pendulum::taylor::{Orbit, TaylorStep};
+use flipmap_pendulum::{Launch, Pendulum, Rule, State, oracle};
 
 /// Time for which results are gathered before they are handed over: about a frame.
 const GATHERED: Duration = Duration::from_millis(16);

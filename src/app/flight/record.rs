@@ -1,8 +1,8 @@
 //! The record of a flight: two motions, their flips, and readings along the way.
 
 use super::motion::Motion;
-use crate::physics::Dd;
-use crate::physics::separation::Reading;
+use flipmap_numbers::Dd;
+use flipmap_pendulum::separation::Reading;
 
 /// The moment at which the rule is first met.
 #[derive(Clone, Copy, Debug, PartialEq)]

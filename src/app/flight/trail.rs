@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 
 use super::motion::Motion;
-use crate::physics::Pendulum;
-use crate::physics::separation::natural_secs;
+use flipmap_pendulum::Pendulum;
+use flipmap_pendulum::separation::natural_secs;
 
 /// Duration of the trail in natural units of time: 3.8 s for the home pendulum.
 const UNITS: f64 = 12.0;
@@ -57,9 +57,10 @@ impl Trail {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::taylor::Orbit;
-    use crate::physics::{Dd, State};
     use crate::scene::Build;
+    use flipmap_numbers::Dd;
+    use flipmap_pendulum::State;
+    use flipmap_pendulum::taylor::Orbit;
 
     #[test]
     fn a_trail_kept_from_frame_to_frame_is_the_one_made_at_once() {

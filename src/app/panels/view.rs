@@ -94,7 +94,7 @@ pub fn view_panel(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Scalar;
+    use flipmap_numbers::Scalar;
 
     fn texts(all: [&str; 5]) -> [String; 5] {
         all.map(str::to_string)

@@ -13,10 +13,11 @@ use super::{step_control, turns};
 use crate::engine::pace::Adaptive;
 use crate::engine::start::{self, STEP, TIME, TIME_LOW};
 use crate::engine::{End, NUMBERS};
-use crate::physics::control::LONGEST;
-use crate::physics::crossing::{FAR, StepState, beyond_top, height_beyond};
-use crate::physics::phase::Phase;
-use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
+use flipmap_numbers::{Dd, Real};
+use flipmap_pendulum::control::LONGEST;
+use flipmap_pendulum::crossing::{FAR, StepState, beyond_top, height_beyond};
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::{Outcome, Pendulum, Status};
 
 /// Runs a chunk in lanes of `N`.
 #[inline(never)]

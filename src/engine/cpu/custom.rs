@@ -13,8 +13,9 @@ use crate::engine::pace::{Adaptive, Pace};
 use crate::engine::{
     EngineError, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, start,
 };
-use crate::physics::control::Control;
-use crate::physics::{Dd, Outcome};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::Outcome;
+use flipmap_pendulum::control::Control;
 
 /// Integrates pendulums from rest at `angles` (rad) by a pair defined outside this crate, in f64 on
 /// the widest lanes of the processor and on all of its threads, with an error of `tolerance`

@@ -9,10 +9,10 @@ use super::stretch::{Stretch, StretchEnd, vectorized};
 use crate::engine::pace::Steps;
 use crate::engine::start::{angles_of, whole_turns};
 use crate::engine::{End, NUMBERS, Precision};
-use crate::physics::flip::{fraction_of_step, may_pass};
-use crate::physics::integrator::rk4;
-use crate::physics::trig::Turning;
-use crate::physics::{Accumulators, Outcome, Pendulum, State, Status};
+use flipmap_numbers::trig::Turning;
+use flipmap_pendulum::flip::{fraction_of_step, may_pass};
+use flipmap_pendulum::integrator::rk4;
+use flipmap_pendulum::{Accumulators, Outcome, Pendulum, State, Status};
 
 /// Runs a chunk in lanes of `L`; `TERMS` terms turn a stage's direction (0: a fresh sine).
 #[inline(never)]

@@ -6,9 +6,10 @@ use super::pair::EmbeddedPair;
 use crate::engine::pace::Pace;
 use crate::engine::start::{STEP, TIME, end_with_growth};
 use crate::engine::{Carried, End, IntegratorState, NUMBERS, Precision};
-use crate::physics::dual::Dual;
-use crate::physics::tangents::{LARGE, Tangents};
-use crate::physics::{Pendulum, Scalar};
+use flipmap_numbers::Scalar;
+use flipmap_numbers::dual::Dual;
+use flipmap_pendulum::Pendulum;
+use flipmap_pendulum::tangents::{LARGE, Tangents};
 use std::marker::PhantomData;
 
 /// One pendulum with its tangents, in the number type `R`, in steps of `P`.

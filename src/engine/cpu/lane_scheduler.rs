@@ -33,8 +33,8 @@ use crate::engine::start::{TIME, TIME_LOW, phase_of};
 use crate::engine::{
     Carried, Effort, End, Ends, IntegratorConfig, IntegratorState, Keep, NUMBERS, Question,
 };
-use crate::physics::crossing::FAR;
-use crate::physics::{Accumulators, Outcome, Rule, Status};
+use flipmap_pendulum::crossing::FAR;
+use flipmap_pendulum::{Accumulators, Outcome, Rule, Status};
 
 /// A chunk of a job, with all that its lanes need.
 pub(super) struct Chunk<'a> {

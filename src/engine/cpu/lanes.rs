@@ -4,10 +4,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-use crate::physics::trig::{
+use flipmap_numbers::trig::{
     PI_PARTS_F32, PI_PARTS_F64, Rounding, SERIES_F32, SERIES_F64, sin_cos_with,
 };
-use crate::physics::{Angle, Real};
+use flipmap_numbers::{Angle, Real};
 
 /// A register of numbers, one pendulum in each.
 pub(super) trait Lanes: Rounding + Angle {

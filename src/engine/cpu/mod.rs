@@ -1,6 +1,6 @@
 //! The engine that is always there: threads, and the widest SIMD lanes that the processor has.
 //!
-//! The equations are those of `physics`, run on registers instead of scalars. A job is cut into
+//! The equations are those of `flipmap_pendulum`, run on registers instead of scalars. A job is cut into
 //! chunks that the threads take as they become free; the answer of a pendulum does not depend on
 //! its chunk, its lane or its thread.
 
@@ -44,9 +44,10 @@ use super::{
     End, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method,
     Precision, Wait, start,
 };
-use crate::physics::series::{ORDER_DD, ORDER_F64};
-use crate::physics::trig::Turning;
-use crate::physics::{Dd, Outcome, Status};
+use flipmap_numbers::Dd;
+use flipmap_numbers::trig::Turning;
+use flipmap_pendulum::series::{ORDER_DD, ORDER_F64};
+use flipmap_pendulum::{Outcome, Status};
 
 /// Number of starts in a chunk: enough to keep lanes full, few enough to share out evenly.
 const CHUNK: usize = 512;

@@ -10,8 +10,9 @@ use super::pair::EmbeddedPair;
 use crate::engine::pace::Pace;
 use crate::engine::start::{STEP, TIME, end_with_return};
 use crate::engine::{Carried, IntegratorState, NUMBERS, Precision};
-use crate::physics::phase::{Phase, distance};
-use crate::physics::{Accumulators, Pendulum, Scalar};
+use flipmap_numbers::Scalar;
+use flipmap_pendulum::phase::{Phase, distance};
+use flipmap_pendulum::{Accumulators, Pendulum};
 use std::marker::PhantomData;
 
 /// Halvings in the search for a minimum, enough to find its time to a billionth of a step.

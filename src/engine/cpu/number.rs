@@ -5,9 +5,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use pulp::Simd;
 
 use super::lanes::{F32Lanes, F64Lanes, Lanes, MOST_LANES};
-use crate::physics::Real;
-use crate::physics::dual::Narrow;
-use crate::physics::phase::Phase;
+use flipmap_numbers::Real;
+use flipmap_numbers::dual::Narrow;
+use flipmap_pendulum::phase::Phase;
 
 /// A number type of the adaptive methods, one pendulum in each lane.
 pub(super) trait Number: Real {
@@ -79,7 +79,7 @@ impl<S: Simd> Number for F64Lanes<S> {
     }
     #[inline(always)]
     fn changed(phase: &Phase<Self>, change: &Phase<Self>) -> Phase<Self> {
-        crate::physics::embedded::plus(phase, change)
+        flipmap_pendulum::embedded::plus(phase, change)
     }
 }
 
@@ -108,7 +108,7 @@ impl<S: Simd> Number for F32Lanes<S> {
     }
     #[inline(always)]
     fn changed(phase: &Phase<Self>, change: &Phase<Self>) -> Phase<Self> {
-        crate::physics::embedded::plus(phase, change)
+        flipmap_pendulum::embedded::plus(phase, change)
     }
 }
 
@@ -214,7 +214,7 @@ impl<S: Simd> Number for Compensated<F32Lanes<S>> {
     }
 }
 
-/// The sum of two f64 in every lane, like [`crate::physics::Dd`] and from the same paper.
+/// The sum of two f64 in every lane, like [`flipmap_numbers::Dd`] and from the same paper.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Two<L> {
     high: L,
@@ -322,6 +322,6 @@ impl<S: Simd> Number for Two<F64Lanes<S>> {
     }
     #[inline(always)]
     fn changed(phase: &Phase<Self>, change: &Phase<Self>) -> Phase<Self> {
-        crate::physics::embedded::plus(phase, change)
+        flipmap_pendulum::embedded::plus(phase, change)
     }
 }

@@ -8,10 +8,11 @@ use super::pair::EmbeddedPair;
 use crate::engine::pace::Pace;
 use crate::engine::start::phase_of;
 use crate::engine::{End, IntegratorState, NUMBERS, Precision};
-use crate::physics::control::LONGEST;
-use crate::physics::embedded::plus;
-use crate::physics::phase::{Phase, rk4};
-use crate::physics::{Dd, Outcome, Pendulum, Real, Scalar, Status};
+use flipmap_numbers::{Dd, Real, Scalar};
+use flipmap_pendulum::control::LONGEST;
+use flipmap_pendulum::embedded::plus;
+use flipmap_pendulum::phase::{Phase, rk4};
+use flipmap_pendulum::{Outcome, Pendulum, Status};
 
 /// Number of steps between two checks for cancellation.
 const PATIENCE: u32 = 4096;

@@ -6,12 +6,15 @@ use std::sync::LazyLock;
 
 use super::lanes::Lanes;
 use crate::engine::method::COLUMNS;
-use crate::physics::crossing::{FAR, SLACK, StepCrossing, StepState, within};
-use crate::physics::embedded::{DOP853_ORDER, DOPRI5_ORDER, Trial, dop853, dopri5, plus, quartic};
-use crate::physics::extrapolation::{self, Weights};
-use crate::physics::phase::Phase;
-use crate::physics::polynomial::course;
-use crate::physics::{Dd, Pendulum, Real};
+use flipmap_numbers::polynomial::course;
+use flipmap_numbers::{Dd, Real};
+use flipmap_pendulum::Pendulum;
+use flipmap_pendulum::crossing::{FAR, SLACK, StepCrossing, StepState, within};
+use flipmap_pendulum::embedded::{
+    DOP853_ORDER, DOPRI5_ORDER, Trial, dop853, dopri5, plus, quartic,
+};
+use flipmap_pendulum::extrapolation::{self, Weights};
+use flipmap_pendulum::phase::Phase;
 
 /// An embedded pair, generic over the number type: two methods that share their stages, so that
 /// the difference of their results estimates the error.
@@ -169,7 +172,7 @@ impl EmbeddedPair for Dop853 {
 mod tests {
     use super::super::lanes::F64Lanes;
     use super::*;
-    use crate::physics::crossing::approach;
+    use flipmap_pendulum::crossing::approach;
 
     /// The test for a pass of the top is written once for single numbers and once for lanes, which have
     /// no branches; both must judge alike.

@@ -4,8 +4,8 @@ use super::lane_scheduler::LaneScheduler;
 use crate::engine::NUMBERS;
 use crate::engine::slowed::least_energy;
 use crate::engine::start::phase_of;
-use crate::physics::phase::Phase;
-use crate::physics::{Outcome, Pendulum, Status};
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::{Outcome, Pendulum, Status};
 
 /// Lanes whose pendulums can no longer meet the rule, none without friction. `phase` reads the numbers
 /// of a lane, and `reduced` is the pendulum.

@@ -1,7 +1,7 @@
-//! Step size control in lanes (see `physics::control`).
+//! Step size control in lanes (see `flipmap_pendulum::control`).
 
 use super::lanes::Lanes;
-use crate::physics::control::{Control, GROW, SHRINK};
+use flipmap_pendulum::control::{Control, GROW, SHRINK};
 
 /// Excess of each lane's error over what is allowed at its time, in log₂ of squares: negative where
 /// the step can be taken.

@@ -12,12 +12,13 @@ use super::stretch::{Stretch, vectorized};
 use crate::engine::pace::{Adaptive, Pace};
 use crate::engine::start::{STEP, TIME, TIME_LOW, end_with_growth};
 use crate::engine::{Carried, IntegratorState, NUMBERS};
-use crate::physics::control::LONGEST;
-use crate::physics::dual::{Dual, Narrow};
-use crate::physics::embedded::plus;
-use crate::physics::phase::rk4;
-use crate::physics::tangents::{LARGE, Tangents};
-use crate::physics::{Dd, Outcome, Pendulum, Real, Status};
+use flipmap_numbers::dual::{Dual, Narrow};
+use flipmap_numbers::{Dd, Real};
+use flipmap_pendulum::control::LONGEST;
+use flipmap_pendulum::embedded::plus;
+use flipmap_pendulum::phase::rk4;
+use flipmap_pendulum::tangents::{LARGE, Tangents};
+use flipmap_pendulum::{Outcome, Pendulum, Status};
 
 /// Pendulums in the lanes of a register with their tangents.
 struct TangentLanes<N: Number> {

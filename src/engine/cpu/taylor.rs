@@ -14,13 +14,14 @@ use super::turns;
 use crate::engine::End;
 use crate::engine::pace::Adaptive;
 use crate::engine::start::{TIME, TIME_LOW};
-use crate::physics::control::LONGEST;
-use crate::physics::crossing::{FAR, StepState, height_beyond};
-use crate::physics::embedded::plus;
-use crate::physics::phase::Phase;
-use crate::physics::polynomial::{bernstein, course, evaluate, halves};
-use crate::physics::series::MotionSeries;
-use crate::physics::{Dd, Pendulum, Real, Scalar, Status};
+use flipmap_numbers::polynomial::{bernstein, course, evaluate, halves};
+use flipmap_numbers::{Dd, Real, Scalar};
+use flipmap_pendulum::control::LONGEST;
+use flipmap_pendulum::crossing::{FAR, StepState, height_beyond};
+use flipmap_pendulum::embedded::plus;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::series::MotionSeries;
+use flipmap_pendulum::{Pendulum, Status};
 
 /// Runs a chunk in lanes of `N`, with expansions of `M` coefficients; one lane's numbers are
 /// of type `T`, made from the two parts they are stored in.

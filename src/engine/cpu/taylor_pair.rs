@@ -2,10 +2,11 @@
 //! the error.
 
 use super::pair::EmbeddedPair;
-use crate::physics::embedded::Trial;
-use crate::physics::phase::Phase;
-use crate::physics::series::MotionSeries;
-use crate::physics::{Pendulum, Real};
+use flipmap_numbers::Real;
+use flipmap_pendulum::Pendulum;
+use flipmap_pendulum::embedded::Trial;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::series::MotionSeries;
 
 /// Taylor steps with `N` coefficients.
 pub(super) struct TaylorPair<const N: usize>;

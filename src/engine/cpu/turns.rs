@@ -2,8 +2,8 @@
 
 use super::lanes::Lanes;
 use super::number::Number;
-use crate::physics::Real;
-use crate::physics::phase::Phase;
+use flipmap_numbers::Real;
+use flipmap_pendulum::phase::Phase;
 
 /// Adds the turns that end in the steps from `before` to `after`, in lanes where `taken` is
 /// negative: a bob passes the top where `y` changes its sign in the sense in which the bob turns

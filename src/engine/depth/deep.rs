@@ -1,9 +1,10 @@
 //! Selections of deep starts, and their exact states.
 
 use crate::engine::{Deep, Ends, Leaf, Question, StartList, Starts};
-use crate::physics::opening::from_top;
-use crate::physics::{Dd, Launch, Scalar, State, Theta};
 use crate::scene::lattice::Cell;
+use flipmap_numbers::{Dd, Scalar, Theta};
+use flipmap_pendulum::opening::from_top;
+use flipmap_pendulum::{Launch, State};
 
 impl Deep {
     /// Selects some of the starts, by their indices among all, in order, and moves them by a share

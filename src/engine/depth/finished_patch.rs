@@ -6,15 +6,15 @@ use std::sync::OnceLock;
 use super::part::{SplitNode, SplitPart};
 use super::stats::DepthStats;
 use crate::engine::{End, Moving, Question};
-use crate::physics::flow_patch::{
-    CurveCoordinates, CurvePoint, Dynamics, FlowPatch, PatchCurve, PatchEnd,
-};
-use crate::physics::jet::Jet;
-use crate::physics::phase::Phase;
-use crate::physics::tangents::TangentMap;
-use crate::physics::{Accumulators, Outcome, Status};
 use crate::scene::ExactPlane;
 use crate::scene::lattice::Cell;
+use flipmap_numbers::jet::Jet;
+use flipmap_pendulum::flow_patch::{
+    CurveCoordinates, CurvePoint, Dynamics, FlowPatch, PatchCurve, PatchEnd,
+};
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::tangents::TangentMap;
+use flipmap_pendulum::{Accumulators, Outcome, Status};
 
 /// The name of a part of an anchor: the same name means the same patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -16,8 +16,8 @@ use crate::engine::{
     Deep, Effort, End, Ends, IntegratorState, Job, JobResult, Method, Moving, MovingStarts,
     Precision, Question, Starts,
 };
-use crate::physics::Outcome;
-use crate::physics::flow_patch::Dynamics;
+use flipmap_pendulum::Outcome;
+use flipmap_pendulum::flow_patch::Dynamics;
 
 /// The domain splittings of the pendulums, rules and planes met so far, the latest last.
 pub(super) type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;

@@ -14,10 +14,10 @@
 //! them is not used.
 
 use super::line_interval::Sample;
-use crate::physics::Status;
-use crate::physics::flip::right_secs;
-use crate::physics::flow_patch::{CurvePoint, Dynamics, FlowPatch, PatchCurve};
-use crate::physics::phase::Phase;
+use flipmap_pendulum::Status;
+use flipmap_pendulum::flip::right_secs;
+use flipmap_pendulum::flow_patch::{CurvePoint, Dynamics, FlowPatch, PatchCurve};
+use flipmap_pendulum::phase::Phase;
 
 /// The starts of the first round of a check, in coordinates of the patch, and those of the rounds after
 /// it, each of which is needed only if the ones before it have not decided.
@@ -165,8 +165,8 @@ impl LineCheck<'_> {
 mod tests {
     use super::*;
     use crate::engine::End;
-    use crate::physics::flip::Rule;
-    use crate::physics::{Outcome, Pendulum};
+    use flipmap_pendulum::flip::Rule;
+    use flipmap_pendulum::{Outcome, Pendulum};
 
     const END: End = End { phase: [1.0; 6], ..End::NOWHERE };
 

@@ -1,9 +1,9 @@
 //! Intervals of a line, and the answers that the samples in one give for the starts between them.
 
 use crate::engine::End;
-use crate::physics::flip::right_secs;
-use crate::physics::flow_patch::CurvePoint;
-use crate::physics::{Outcome, Status};
+use flipmap_pendulum::flip::right_secs;
+use flipmap_pendulum::flow_patch::CurvePoint;
+use flipmap_pendulum::{Outcome, Status};
 
 /// Level of the longest intervals; an interval of level n is 2^−n half patches long.
 pub(super) const COARSEST: i32 = 1;
@@ -195,7 +195,7 @@ fn size(difference: impl Fn(usize) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::crossing::FAR;
+    use flipmap_pendulum::crossing::FAR;
 
     fn samples(time: impl Fn(f64) -> f64, clearance: f64) -> [Sample; SAMPLES] {
         std::array::from_fn(|k| {

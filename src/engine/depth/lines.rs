@@ -36,8 +36,8 @@ use super::line_interval::{COARSEST, FINEST, Interval, IntervalVerdict, SAMPLES,
 use super::part::PlacedStart;
 use super::stats::DepthStats;
 use crate::engine::{IntegratorConfig, Job, JobResult, Moving, Question};
-use crate::physics::Outcome;
-use crate::physics::flow_patch::Dynamics;
+use flipmap_pendulum::Outcome;
+use flipmap_pendulum::flow_patch::Dynamics;
 
 /// Binary logarithm of the number of sample places in half a patch.
 const PLACES: i32 = FINEST + 2;

@@ -2,7 +2,7 @@
 //!
 //! It wraps another engine. The leaf of the lattice in which deep starts lie has an ancestor 6 to
 //! 11 levels up, the *anchor*. Its middle is followed in as many digits as the depth needs, its
-//! whole area as one [`FlowPatch`](crate::physics::flow_patch::FlowPatch): Taylor polynomials of
+//! whole area as one [`FlowPatch`](flipmap_pendulum::flow_patch::FlowPatch): Taylor polynomials of
 //! the flow map in the position of the start. Their coefficients are differences from the middle,
 //! for which f64 has digits enough at any depth, as with the reference orbit of a deep Mandelbrot
 //! zoom.

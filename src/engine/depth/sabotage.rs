@@ -1,7 +1,7 @@
 //! Start maps that are wrong on purpose, for tests of what judges them.
 
-use crate::physics::flow_patch::{Dynamics, FlowPatch};
 use crate::scene::lattice::side_rad;
+use flipmap_pendulum::flow_patch::{Dynamics, FlowPatch};
 
 /// A mistake in all start maps of an engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

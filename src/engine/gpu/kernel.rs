@@ -1,5 +1,5 @@
 //! The text of a kernel: the shader files joined for one scene and configuration, with the maths of
-//! `physics` printed into them.
+//! `flipmap_pendulum` printed into them.
 
 mod values;
 
@@ -22,11 +22,11 @@ use crate::engine::shared::status_constants;
 use crate::engine::slowed::least_energy;
 use crate::engine::start::{ANGLES, PHASE};
 use crate::engine::{Ends, EngineError, IntegratorConfig, Method, Precision, Question};
-use crate::physics::control::{Control, GROW, LONGEST, SHRINK};
-use crate::physics::crossing::{FAR, SLACK};
-use crate::physics::series::ORDER_F64;
-use crate::physics::trig::Turning;
-use crate::physics::{Pendulum, Rule};
+use flipmap_numbers::trig::Turning;
+use flipmap_pendulum::control::{Control, GROW, LONGEST, SHRINK};
+use flipmap_pendulum::crossing::{FAR, SLACK};
+use flipmap_pendulum::series::ORDER_F64;
+use flipmap_pendulum::{Pendulum, Rule};
 
 /// All shader files by name.
 pub const FILES: [(&str, &str); 30] = [

@@ -1,4 +1,4 @@
-//! The maths of a kernel as shader text, printed from the Rust of `physics`.
+//! The maths of a kernel as shader text, printed from the Rust of `flipmap_pendulum`.
 
 mod series;
 
@@ -7,13 +7,14 @@ use crate::engine::integrator_state::{SLOPES, STARTS};
 use crate::engine::start::PHASE;
 use crate::engine::symbol::{Dialect, Symbol, literal, variable, write_maths};
 use crate::engine::{Ends, Precision};
-use crate::physics::dual::Dual;
-use crate::physics::embedded::{Trial, dop853, dopri5, plus};
-use crate::physics::phase::{Phase, rk4};
-use crate::physics::polynomial::quintic_hermite;
-use crate::physics::tangents::Tangents;
-use crate::physics::trig::Turning;
-use crate::physics::{Angle, Pendulum, Real, State, integrator};
+use flipmap_numbers::dual::Dual;
+use flipmap_numbers::polynomial::quintic_hermite;
+use flipmap_numbers::trig::Turning;
+use flipmap_numbers::{Angle, Real};
+use flipmap_pendulum::embedded::{Trial, dop853, dopri5, plus};
+use flipmap_pendulum::phase::{Phase, rk4};
+use flipmap_pendulum::tangents::Tangents;
+use flipmap_pendulum::{Pendulum, State, integrator};
 
 /// An embedded pair on symbols.
 type SymbolicPair = fn(&Pendulum<Symbol>, [Symbol; 2], &Phase<Symbol>, Symbol) -> Trial<Symbol>;

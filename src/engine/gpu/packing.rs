@@ -11,7 +11,7 @@ use super::kernel::{Design, pack_text};
 use super::pipeline::{bind, compute_pipeline, layout, workgroups};
 use crate::engine::Precision;
 use crate::engine::shared::{NO_MOMENT, RawOutcome};
-use crate::physics::Status;
+use flipmap_pendulum::Status;
 
 /// The words that are kept of an outcome: the first part of the moment or the status, and these.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,8 @@ use super::Trust;
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run, Rung, ends_of, rungs};
 use crate::engine::{Effort, End, Ends, Job, JobResult, Keep, Starts};
-use crate::physics::{Accumulators, Dd, Outcome, Status};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Accumulators, Outcome, Status};
 
 /// A job whose starts climb the ladder until they are sure.
 pub(super) struct CheckedJob {

@@ -3,10 +3,9 @@
 //! and no event test with the engines.
 
 use crate::engine::{End, Ends, Question};
-use crate::physics::taylor::Orbit;
-use crate::physics::{
-    Accumulators, Fixed, Outcome, Pendulum, Rule, Scalar, State, Status, Theta, oracle, tangents,
-};
+use flipmap_numbers::{Fixed, Scalar, Theta};
+use flipmap_pendulum::taylor::Orbit;
+use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
 
 /// Approximate upper bound on the decades by which neighbours move apart per unit of time.
 const DECADES_A_UNIT: f64 = 0.16;
@@ -163,8 +162,8 @@ fn whole_turns<const N: usize>(angle: Fixed<N>) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::flip::right_secs;
     use crate::scene::Build;
+    use flipmap_pendulum::flip::right_secs;
 
     fn question(rule: Rule, budget_secs: f64) -> Question {
         Question { build: Build::default(), rule, budget_secs, passes: 1 }

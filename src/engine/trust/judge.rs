@@ -19,11 +19,11 @@
 
 use super::ladder::Run;
 use crate::engine::{End, Ends, Question};
-use crate::physics::crossing::{StepState, bob_at_top, height_beyond};
-use crate::physics::flip::right_secs;
-use crate::physics::phase::Phase;
-use crate::physics::transport::transported;
-use crate::physics::{Outcome, Pendulum, Rule, Status};
+use flipmap_pendulum::crossing::{StepState, bob_at_top, height_beyond};
+use flipmap_pendulum::flip::right_secs;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::transport::transported;
+use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
 
 /// An outcome, and the end of its integration.
 #[derive(Clone, Copy, Debug, PartialEq)]

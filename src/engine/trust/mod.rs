@@ -47,7 +47,7 @@ pub use self::outlook::{Outlook, SampledAnswers};
 use super::cpu::CpuEngine;
 use super::depth::DepthEngine;
 use super::{Engine, EngineError, GpuStats, IntegratorConfig, Job, JobResult, Starts, Wait};
-use crate::physics::{Outcome, Status};
+use flipmap_pendulum::{Outcome, Status};
 
 /// Degree to which an answer is sure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

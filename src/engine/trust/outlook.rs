@@ -11,7 +11,7 @@ use super::ladder::{Origin, Run};
 use crate::engine::{
     Ends, Engine, EngineError, IntegratorConfig, JobResult, Keep, Onset, Question, Starts, run_job,
 };
-use crate::physics::Dd;
+use flipmap_numbers::Dd;
 
 /// The expectation for a picture, from a sample of its starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -129,8 +129,8 @@ mod tests {
     use crate::engine::cpu::CpuEngine;
     use crate::engine::level::BALANCED;
     use crate::engine::{Method, Precision};
-    use crate::physics::Rule;
     use crate::scene::Build;
+    use flipmap_pendulum::Rule;
 
     /// The outlook of starts in a row from one of them.
     fn outlook(from: [f64; 2], budget_secs: f64) -> Outlook {

@@ -5,8 +5,8 @@ use std::io;
 use minijinja::{Environment, UndefinedBehavior, context};
 
 use super::TILE_SIDE;
-use crate::physics::Scalar;
 use crate::scene::Document;
+use flipmap_numbers::Scalar;
 
 /// The page of the viewer, which needs only the tiles beside it.
 const PAGE: &str = include_str!("../../../assets/pyramid/index.html");

@@ -2,7 +2,8 @@
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, count, home, oracle_dd, oracle_f64};
 use crate::engine::EngineError;
-use crate::physics::{Dd, Pendulum, Rule, Status};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Pendulum, Rule, Status};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {

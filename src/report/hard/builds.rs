@@ -2,8 +2,9 @@
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, apart, count, home, oracle_f64};
 use crate::engine::{EngineError, Question};
-use crate::physics::{Dd, Decimal, Pendulum, Rule, Status};
 use crate::scene::{Build, Kind};
+use flipmap_numbers::{Dd, Decimal};
+use flipmap_pendulum::{Pendulum, Rule, Status};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {
@@ -68,7 +69,8 @@ impl Tally {
         let answers = bench.answers(question, BALANCED, &starts)?;
         self.starts += starts.len();
         self.flips += count(&truth, Status::Flipped);
-        let sound = |o: &crate::physics::Outcome| o.status != Status::Failed && o.time.is_finite();
+        let sound =
+            |o: &flipmap_pendulum::Outcome| o.status != Status::Failed && o.time.is_finite();
         self.failed += answers.iter().chain(&truth).filter(|o| !sound(o)).count();
         for (answer, truth) in answers.iter().zip(&truth) {
             let off = apart(answer, truth);

@@ -5,8 +5,9 @@ use rayon::prelude::*;
 use super::tangent::spectrum;
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, TAYLOR, apart, builds, home};
 use crate::engine::{EngineError, Question};
-use crate::physics::{Dd, Pendulum, Rule, Status};
 use crate::scene::{Build, Kind};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Pendulum, Rule, Status};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {
@@ -70,7 +71,7 @@ fn long_budgets(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let by_one = bench.answers(&question, BALANCED, &starts)?;
     let by_other = bench.answers(&question, TAYLOR, &starts)?;
     let flips_in = |from: f64, to: f64| {
-        let late = move |o: &crate::physics::Outcome| {
+        let late = move |o: &flipmap_pendulum::Outcome| {
             o.status == Status::Flipped && (from..to).contains(&o.time)
         };
         let pairs = by_one.iter().zip(&by_other).filter(move |(a, b)| late(a) || late(b));

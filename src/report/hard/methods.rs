@@ -3,12 +3,13 @@
 use super::{BALANCED, FAST, HardBench, HardCase, HardFinding, LESSON, Of, TAYLOR, home};
 use crate::engine::start::TIME;
 use crate::engine::{EngineError, IntegratorConfig, IntegratorState, Precision, Question, Starts};
-use crate::physics::embedded::{dop853, dopri5, plus};
-use crate::physics::phase::Phase;
-use crate::physics::series::MotionSeries;
-use crate::physics::taylor::Orbit;
-use crate::physics::trig::Turning;
-use crate::physics::{Dd, Pendulum, Rule, Scalar, State, integrator};
+use flipmap_numbers::trig::Turning;
+use flipmap_numbers::{Dd, Scalar};
+use flipmap_pendulum::embedded::{dop853, dopri5, plus};
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::series::MotionSeries;
+use flipmap_pendulum::taylor::Orbit;
+use flipmap_pendulum::{Pendulum, Rule, State, integrator};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {

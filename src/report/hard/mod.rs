@@ -22,8 +22,9 @@ use crate::engine::{
     Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method, Precision,
     Question, Starts, Wait,
 };
-use crate::physics::{Dd, Outcome, Rule, Status};
 use crate::scene::Build;
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Outcome, Rule, Status};
 
 /// A claim and the function that tests it.
 #[derive(Clone, Copy)]

@@ -1,11 +1,11 @@
 //! The tangent map of the motion: rates at which neighbours separate, by dual numbers.
 
-use crate::physics::phase::Phase;
-use crate::physics::transport::transported_as;
-use crate::physics::{Pendulum, State};
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::transport::transported_as;
+use flipmap_pendulum::{Pendulum, State};
 
 /// A number with its derivatives along the four directions.
-type Dual = crate::physics::dual::Dual<4>;
+type Dual = flipmap_numbers::dual::Dual<4>;
 
 /// Four directions away from a state, each δθ1, δθ2, δp1, δp2: canonical coordinates, in which the
 /// motion preserves volumes.

@@ -4,7 +4,8 @@ use super::{
     BALANCED, HardBench, HardCase, HardFinding, Of, apart, farthest, home, oracle_dd, oracle_f64,
 };
 use crate::engine::{EngineError, Question};
-use crate::physics::{Dd, Outcome, Rule, State, Status, oracle};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Outcome, Rule, State, Status, oracle};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {

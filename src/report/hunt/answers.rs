@@ -4,15 +4,13 @@
 use super::referee::{MotionEnd, Referee};
 use super::start::start;
 use crate::engine::{End, Ends, Question};
-use crate::physics::opening::from_top;
-use crate::physics::phase::Phase;
-use crate::physics::{
-    Accumulators, Angle, Dd, Fixed, Outcome, Pendulum, Rule, Scalar, State, Status, Theta, oracle,
-    tangents,
-};
 use crate::question::{Ask, MOST_CHANNELS};
 use crate::scene::{PlaneKind, Scene};
 use crate::tiles::reader::Reader;
+use flipmap_numbers::{Angle, Dd, Fixed, Scalar, Theta};
+use flipmap_pendulum::opening::from_top;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
 
 /// Function that returns true when the referee should give up.
 pub(super) type GiveUp<'a> = &'a (dyn Fn() -> bool + Sync);

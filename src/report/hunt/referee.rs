@@ -6,8 +6,9 @@
 //! been at the top in it, or if one crossed the top exactly once; otherwise it is halved. The bound
 //! on a bob's path comes from its acceleration at both ends, with a safety factor.
 
-use crate::physics::phase::{Phase, distance};
-use crate::physics::{Pendulum, Scalar};
+use flipmap_numbers::Scalar;
+use flipmap_pendulum::Pendulum;
+use flipmap_pendulum::phase::{Phase, distance};
 
 /// A solver for the motion of one pendulum.
 pub(super) struct Referee<'a, T> {
@@ -311,7 +312,8 @@ struct BobMotion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{Angle, Fixed, Rule};
+    use flipmap_numbers::{Angle, Fixed};
+    use flipmap_pendulum::Rule;
 
     fn flip<T: Scalar + Angle>(angle: [&str; 2], rule: Rule, columns: usize, tolerance: f64) -> T {
         let one = T::from_f64(1.0);

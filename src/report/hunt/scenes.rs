@@ -4,10 +4,11 @@
 
 use super::how::How;
 use crate::engine::{Engine, EngineError, EngineKind, IntegratorConfig};
-use crate::physics::{Angle, Decimal, Rule, Scalar, Theta};
 use crate::question::Ask;
 use crate::scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
 use crate::tiles::descent::{Descent, DescentStep};
+use flipmap_numbers::{Angle, Decimal, Scalar, Theta};
+use flipmap_pendulum::Rule;
 
 /// Generator of random scenes, the same ones for the same seed.
 pub(super) struct Scenes {

@@ -1,10 +1,11 @@
 //! Outcomes of pixels that are known before any step is taken.
 
 use super::Grid;
-use crate::physics::first_moments::{FirstMoments, FirstPass};
-use crate::physics::opening::from_top;
-use crate::physics::phase::Phase;
-use crate::physics::{Dd, Launch, Outcome, Rule, Scalar, State, Status, Theta, oracle};
+use flipmap_numbers::{Dd, Scalar, Theta};
+use flipmap_pendulum::first_moments::{FirstMoments, FirstPass};
+use flipmap_pendulum::opening::from_top;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::{Launch, Outcome, Rule, State, Status, oracle};
 
 /// The outcome of a pixel if it is known before any step is taken, or else its start.
 #[derive(Clone, Debug, PartialEq)]

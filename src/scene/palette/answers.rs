@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use super::steps::WholeNumbers;
 use super::{FAILED, Ground, Palette, Rgb, Tint, Tones, rounded, tint_of};
-use crate::physics::{Pendulum, State, Status};
 use crate::question::{ChannelScale, Painted};
 use crate::scene::{PictureTable, Scene, SceneError, Shown};
+use flipmap_pendulum::{Pendulum, State, Status};
 
 /// A map from answers to colours.
 #[derive(Clone, Debug, PartialEq)]

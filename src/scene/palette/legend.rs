@@ -138,8 +138,8 @@ fn digits(value: f64, count: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Status;
     use crate::scene::{Budget, PictureTable, QuestionTable, Scene};
+    use flipmap_pendulum::Status;
 
     #[test]
     fn the_bar_has_the_colours_of_its_values() {

@@ -3,8 +3,8 @@
 
 use super::time_scale::TimeScale;
 use super::{FAILED, Ground, Palette, Rgb, Tint, rounded};
-use crate::physics::{Outcome, Status};
 use crate::scene::{PictureTable, SceneError};
+use flipmap_pendulum::{Outcome, Status};
 
 /// A map from times to places in a palette.
 #[derive(Clone, Debug, PartialEq)]

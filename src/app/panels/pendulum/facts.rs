@@ -5,8 +5,9 @@ use egui::{Grid, RichText, Ui};
 use crate::app::flight::{Agreement, Flight, FlightEnding};
 use crate::app::pins::Pin;
 use crate::engine::Trust;
-use crate::physics::separation::reading_at;
-use crate::physics::{Dd, Outcome, Scalar, Status};
+use flipmap_numbers::{Dd, Scalar};
+use flipmap_pendulum::separation::reading_at;
+use flipmap_pendulum::{Outcome, Status};
 
 /// Shows the numbers as tables of names and values.
 pub(super) fn facts(ui: &mut Ui, pin: &Pin) {

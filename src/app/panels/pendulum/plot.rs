@@ -8,7 +8,7 @@ use super::facts::round_secs;
 use crate::app::pins::Pin;
 use crate::lab::chart::{AxisScale, Chart, ChartAxis, Curve};
 use crate::lab::drawing::Tint;
-use crate::physics::separation::{Growth, Reading, reading_at};
+use flipmap_pendulum::separation::{Growth, Reading, reading_at};
 
 /// Height of the chart in points.
 const HEIGHT: f32 = 140.0;

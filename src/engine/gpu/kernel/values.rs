@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::engine::Precision;
 use crate::engine::gpu::pairs::Pairs;
 use crate::engine::integrator_state::SLOPES;
-use crate::physics::tangents::LARGE;
+use flipmap_pendulum::tangents::LARGE;
 
 /// Values of a kernel's text.
 #[derive(Serialize)]

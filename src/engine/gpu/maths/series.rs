@@ -3,8 +3,8 @@
 use super::Design;
 use crate::engine::start::PHASE;
 use crate::engine::symbol::{Symbol, call, literal, variable, write_maths};
-use crate::physics::phase::Phase;
-use crate::physics::series::{MotionSeries, ORDER_F64};
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
 
 /// Number of coefficients of an expansion.
 const TERMS: usize = ORDER_F64 + 1;

@@ -12,7 +12,7 @@ use crate::engine::{
     Carried, Effort, End, Ends, EngineError, IntegratorState, Job, JobResult, Keep, NUMBERS,
     Precision, Starts, start,
 };
-use crate::physics::{Accumulators, Outcome, Status};
+use flipmap_pendulum::{Accumulators, Outcome, Status};
 
 impl Slot {
     /// The answer, once it has been mapped; none if the device was lost after that, an error if it

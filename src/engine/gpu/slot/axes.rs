@@ -3,7 +3,7 @@
 use crate::engine::gpu::pipeline::Kernel;
 use crate::engine::start::at_rest_at;
 use crate::engine::{IntegratorState, Job, Starts};
-use crate::physics::Dd;
+use flipmap_numbers::Dd;
 
 /// The states of every column, of every row, and one of them for what all have in common.
 pub(super) struct Axes {

@@ -11,7 +11,7 @@ use crate::engine::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RUNNING, RawOutcome, to_parts,
 };
 use crate::engine::{IntegratorState, Precision, Starts, start};
-use crate::physics::crossing::FAR;
+use flipmap_pendulum::crossing::FAR;
 
 impl Slot {
     /// Writes the job's head and scene.

@@ -1,0 +1,33 @@
+//! Numbers that integrators of the double pendulum are generic over. This crate knows no pendulum.
+//!
+//! * [`Real`] and [`Angle`] are what equations of motion ask of a number, [`Scalar`] what code with
+//!   branches asks of it;
+//! * [`Dd`] is a pair of `f64`, [`Fixed`] a fixed-point number of any length, [`Decimal`] a number
+//!   exactly as it was typed;
+//! * [`dual`] and [`jet`] carry derivatives, of first and of higher order;
+//! * [`polynomial`] and [`sign_changes`] find roots over one step.
+//!
+//! ```
+//! use flipmap_numbers::Dd;
+//!
+//! let third = Dd::from(1.0) / Dd::from(3.0);
+//! let error = third * Dd::from(3.0) - Dd::from(1.0);
+//! assert!(f64::from(error).abs() < 1e-31);
+//! ```
+
+pub mod dd;
+pub mod decimal;
+pub mod dual;
+pub mod fixed;
+pub mod frame;
+pub mod jet;
+mod jet_product;
+pub mod polynomial;
+pub mod real;
+pub mod sign_changes;
+pub mod trig;
+
+pub use dd::Dd;
+pub use decimal::Decimal;
+pub use fixed::{Fixed, Theta};
+pub use real::{Angle, Real, Scalar};

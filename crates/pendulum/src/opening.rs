@@ -1,0 +1,473 @@
+//! The first moments of a launch: which bobs that begin near the top pass it at once.
+//!
+//! A bob's distance from the top is a power series in time, whose coefficients follow from the
+//! equations of motion: in the square of time from rest without friction, in all
+//! powers of time otherwise. Near the top the distance, the speed, the acceleration there and even
+//! the next derivative can all be arbitrarily small, and their signs decide. The passes are
+//! therefore found with more and more digits until changing the coefficients by more than their
+//! errors leaves them unchanged. Engines begin such a start where its first moments end
+//! ([`FirstMoments`]), and cells of starts look at the top from there on.
+
+use crate::first_moments::{FirstMoments, FirstPass, Release};
+use crate::flip::side_at_top;
+use crate::pendulum::{Pendulum, State};
+use flipmap_numbers::real::Scalar;
+use flipmap_numbers::sign_changes::sign_changes;
+use flipmap_numbers::{Dd, Theta};
+
+/// Approximate angle in rad through which the fastest bob turns in an opening. Each power of time
+/// contributes less than the previous one by about this factor.
+const TURN: f64 = 0.03;
+/// Number of coefficients with which the series' truncation stays below the rounding of f64, of
+/// double-double and of long numbers: [`TURN`] to this power is below epsilon.
+pub(super) const ORDER_F64: usize = 14;
+pub(super) const ORDER_DD: usize = 24;
+const ORDER_THETA: usize = 90;
+/// Rounding error of a coefficient, as a multiple of epsilon times the largest value that it can
+/// have.
+const ROUNDINGS: f64 = 256.0;
+/// Difference below which two times of a pass count as the same, in lengths of the opening.
+const SAME: f64 = 1e-9;
+/// Distance from the top in rad from which on a release from rest without friction is integrated as any
+/// other.
+const PLAIN_RAD: f64 = 1e-18;
+/// Distance from the top in rad below which double-double cannot tell its two sides apart.
+pub const INDISTINCT_RAD: f64 = 1e-29;
+
+/// Bounds on what moves a pendulum, in reduced units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Greatest angular acceleration at rest.
+    pull: f64,
+    /// Greatest angular acceleration by turning, over the square of the greater speed.
+    whirl: f64,
+    /// Greatest angular deceleration by friction, over the greater speed.
+    drag: f64,
+}
+
+impl Rates {
+    /// The bounds for a pendulum in reduced units: the equations of motion, solved for the
+    /// accelerations, with all sines and cosines 1 and the least determinant.
+    pub fn new(pendulum: &Pendulum<f64>) -> Self {
+        let Pendulum { a, b, c, p, q, least_det, friction } = *pendulum;
+        let [b1, b2] = friction.unwrap_or([0.0; 2]);
+        let both = (a.max(b) + c) / least_det;
+        Rates {
+            pull: (b * p + c * q).max(a * q + c * p) / least_det,
+            whirl: c * both,
+            drag: (b1 + 2.0 * b2) * both,
+        }
+    }
+
+    /// Length of the opening in reduced time, for speeds up to `fastest`: no bob that begins farther
+    /// than [`Rates::near_rad`] from the top reaches it so soon.
+    pub fn length(&self, fastest: f64) -> f64 {
+        TURN / self.pull.max(1.0).max(self.whirl.max(1.0) * fastest).max(self.drag)
+    }
+
+    /// Distance in rad that a bob of this speed cannot cover within `length`, an opening's or less,
+    /// while neither bob is faster than `fastest` at first. The accelerations count twice, which
+    /// makes room for what the speeds gain meanwhile.
+    pub fn near_rad(&self, speed: f64, fastest: f64, length: f64) -> f64 {
+        let acceleration = self.pull + self.whirl * fastest * fastest + self.drag * fastest;
+        speed * length + acceleration * length * length
+    }
+}
+
+/// The distance of an angle from the top in rad: positive just beyond the seam, negative before.
+pub fn from_top<T: Scalar>(angle: T) -> T {
+    if angle < T::zero() { angle + T::pi() } else { angle - T::pi() }
+}
+
+/// The opening of one pendulum, in reduced units.
+#[derive(Clone, Debug)]
+pub struct Opening {
+    exact: Pendulum<Theta>,
+    rounded: Pendulum<Dd>,
+    plain: Pendulum<f64>,
+    /// The bobs whose passes are asked for.
+    bobs: &'static [usize],
+    rates: Rates,
+    /// Reduced time beyond which nothing is asked.
+    budget: f64,
+}
+
+/// The passes in an opening, and the side of the top of each bob that begins exactly there.
+#[derive(Default)]
+struct Course {
+    passes: Vec<FirstPass>,
+    sides: [Option<f64>; 2],
+}
+
+impl Opening {
+    /// The opening of a pendulum in reduced units, for passes of these bobs within a reduced
+    /// `budget`.
+    pub fn new(pendulum: &Pendulum<Theta>, bobs: &'static [usize], budget: f64) -> Self {
+        let plain = pendulum.to_f64();
+        Opening {
+            exact: *pendulum,
+            rounded: pendulum.map(Theta::to_dd),
+            plain,
+            bobs,
+            rates: Rates::new(&plain),
+            budget,
+        }
+    }
+
+    /// Returns true if a launch begins so near the top that its first moments must be decided: from
+    /// its distances from the top in rad and its reduced speeds.
+    #[inline]
+    pub fn concerns(&self, from_top: [f64; 2], speed: [f64; 2]) -> bool {
+        let is_lost = |distance: &f64| distance.abs() <= INDISTINCT_RAD;
+        let is_near = |bob: &usize| self.is_near(*bob, from_top, speed);
+        self.bobs.iter().any(is_near) || from_top.iter().any(is_lost)
+    }
+
+    fn is_near(&self, bob: usize, from_top: [f64; 2], speed: [f64; 2]) -> bool {
+        from_top[bob].abs() <= 1.01 * self.near_rad(bob, speed)
+    }
+
+    /// Distance in rad within which a start from rest may concern the opening.
+    pub fn rest_near_rad(&self) -> f64 {
+        (1.01 * self.near_rad(0, [0.0; 2])).max(INDISTINCT_RAD)
+    }
+
+    fn near_rad(&self, bob: usize, speed: [f64; 2]) -> f64 {
+        let fastest = speed[0].abs().max(speed[1].abs());
+        self.rates.near_rad(speed[bob].abs(), fastest, self.rates.length(fastest))
+    }
+
+    /// The length of a start's opening.
+    fn length(&self, start: &State<Theta>) -> f64 {
+        let [first, second] = start.speed.map(|speed| speed.to_f64().abs());
+        self.rates.length(first.max(second)).min(self.budget)
+    }
+
+    /// The first moments of a launch from `start`: angles in (−π, π] rad, speeds in reduced units.
+    pub fn first_moments(&self, start: &State<Theta>) -> FirstMoments {
+        let length = self.length(start);
+        let course = self.course::<f64, ORDER_F64, { ORDER_F64 / 2 }>(&self.plain, start, length);
+        self.with_more_digits(start, length, course)
+    }
+
+    /// The same, with the times of passes to the precision of double-double.
+    pub fn precise_first_moments(&self, start: &State<Theta>) -> FirstMoments {
+        self.with_more_digits(start, self.length(start), None)
+    }
+
+    /// Decides the course with the digits that it takes, if that is not done.
+    fn with_more_digits(
+        &self,
+        start: &State<Theta>,
+        length: f64,
+        course: Option<Course>,
+    ) -> FirstMoments {
+        let Course { passes, sides } = course
+            .or_else(|| self.course::<Dd, ORDER_DD, { ORDER_DD / 2 }>(&self.rounded, start, length))
+            .or_else(|| {
+                self.course::<Theta, ORDER_THETA, { ORDER_THETA / 2 }>(&self.exact, start, length)
+            })
+            .unwrap_or_default();
+        let length = if self.is_carried(start) { length } else { 0.0 };
+        FirstMoments::new(start, length, passes, sides)
+    }
+
+    /// Returns true if a start is integrated from the end of its first moments. A motion that is even in
+    /// time leaves the top as it came, so that any number type can follow it from the release unless
+    /// it begins far nearer the top than its rounding errors.
+    fn is_carried(&self, start: &State<Theta>) -> bool {
+        let speed = start.speed.map(Theta::to_f64);
+        let from_top = start.angle.map(|angle| from_top(angle).to_f64());
+        let is_even = start.speed == [Theta::ZERO; 2] && self.plain.friction.is_none();
+        let is_carried = |&bob: &usize| {
+            let is_plain = is_even && from_top[bob].abs() > PLAIN_RAD;
+            !is_plain && self.is_near(bob, from_top, speed)
+        };
+        self.bobs.iter().any(is_carried)
+    }
+
+    /// Decides the course as far as the digits of `T` allow; `None` if they do not suffice. `N` is
+    /// the number of coefficients in time, `H` half of it.
+    fn course<T: Scalar, const N: usize, const H: usize>(
+        &self,
+        pendulum: &Pendulum<T>,
+        start: &State<Theta>,
+        length: f64,
+    ) -> Option<Course> {
+        let release = Release::<T>::new(start);
+        let series = release.series::<N>(pendulum, T::from_f64(length));
+        let is_even = release.is_at_rest() && pendulum.friction.is_none();
+        let fastest = release.speed.iter().fold(0.0, |most: f64, w| most.max(w.to_f64().abs()));
+        let mut course = Course { passes: Vec::new(), sides: [None; 2] };
+        for (bob, series) in series.iter().enumerate() {
+            let near = self.rates.near_rad(release.speed[bob].to_f64().abs(), fastest, length);
+            // Fixed-point numbers have the same error whatever their size.
+            let size = if T::FLOATING { near } else { near.max(1.0) };
+            let doubt = T::from_f64(ROUNDINGS * T::EPSILON * size);
+            let mut way = *series;
+            if way[0] == T::zero() {
+                let leading = leading(&way, is_even, doubt)?;
+                course.sides[bob] = side_at_top(leading.map(|k| way[k])).map(T::to_f64);
+                way[..leading.unwrap_or(N)].fill(T::zero());
+            }
+            if !self.bobs.contains(&bob) || way[0].to_f64().abs() > near {
+                continue;
+            }
+            let doubtful = way.iter().position(|c| *c != T::zero()).unwrap_or(0).max(2);
+            let [early, late] = [-doubt, doubt].map(|by| {
+                let mut way = way;
+                way[doubtful] = way[doubtful] + by;
+                if is_even { changes_from_rest::<T, N, H>(&way) } else { sign_changes(&way) }
+            });
+            course.passes.extend(passes(bob, &way, [early, late], length)?);
+        }
+        course.passes.sort_by(|a, b| a.time.hi.total_cmp(&b.time.hi));
+        Some(course)
+    }
+}
+
+/// The order of the first term that moves a bob which begins exactly at the top; the inner value is
+/// none if nothing moves it. None if the digits do not tell.
+fn leading<T: Scalar, const N: usize>(
+    way: &[T; N],
+    is_even: bool,
+    doubt: T,
+) -> Option<Option<usize>> {
+    let orders = (1..N).filter(|k| !is_even || k % 2 == 0);
+    for k in orders {
+        // A speed is as exact as it was given; terms of higher orders have rounding errors.
+        if way[k].abs() > doubt || (k == 1 && way[k] != T::zero()) {
+            return Some(Some(k));
+        }
+        if k > 1 && T::FLOATING {
+            return None;
+        }
+    }
+    Some(None)
+}
+
+/// The moments at which an even polynomial changes its sign, by those of half its degree.
+fn changes_from_rest<T: Scalar, const N: usize, const H: usize>(way: &[T; N]) -> Vec<T> {
+    let in_squares: [T; H] = std::array::from_fn(|k| way[2 * k]);
+    sign_changes(&in_squares).into_iter().map(Scalar::sqrt).collect()
+}
+
+/// The passes of a bob at the times between `early` and `late` ones; none if these differ.
+fn passes<T: Scalar, const N: usize>(
+    bob: usize,
+    way: &[T; N],
+    [early, late]: [Vec<T>; 2],
+    length: f64,
+) -> Option<Vec<FirstPass>> {
+    let is_same = |(a, b): (&T, &T)| (*a - *b).abs().to_f64() < SAME;
+    if early.len() != late.len() || !early.iter().zip(&late).all(is_same) {
+        return None;
+    }
+    // Before the first pass, the bob is on the side of its first term.
+    let first = way.iter().find(|c| **c != T::zero());
+    let begins_before = first.is_some_and(|c| *c < T::zero());
+    let pass = |(k, (a, b)): (usize, (&T, &T))| {
+        let share = (*a + *b) * T::from_f64(0.5);
+        let hi = share.to_f64();
+        let share = Dd::new(hi) + Dd::new((share - T::from_f64(hi)).to_f64());
+        let anticlockwise = begins_before == (k % 2 == 0);
+        FirstPass { bob, time: share * Dd::new(length), anticlockwise }
+    };
+    Some(early.iter().zip(&late).enumerate().map(pass).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Rule, Status, oracle};
+    use flipmap_numbers::Fixed;
+
+    /// Starts around a point at which bobs are at the top, at many distances from it.
+    fn around(corner: [f64; 2]) -> Vec<[Theta; 2]> {
+        let quarter = Theta::pi().halved(1);
+        let mut starts = Vec::new();
+        for exponent in [-4, -6, -9, -14, -20, -30, -50] {
+            let far = 10f64.powi(exponent);
+            for (x, y) in [
+                (1.0, 0.3),
+                (-0.7, 1.0),
+                (0.02, -1.0),
+                (-1.0, -1e-3),
+                (0.0, -1.0),
+                (0.4, 1e-9),
+                (0.0, 0.0),
+            ] {
+                let by = [x * far, y * far];
+                starts.push([0, 1].map(|i| {
+                    let corner = if corner[i] == 2.0 {
+                        Theta::pi()
+                    } else {
+                        quarter * Theta::from_f64(corner[i])
+                    };
+                    (corner + Theta::from_f64(by[i])).wrapped()
+                }));
+            }
+        }
+        starts
+    }
+
+    /// A pendulum of points or bars in reduced units.
+    fn reduced(bars: bool, masses: [f64; 2], lengths: [f64; 2]) -> Pendulum<Theta> {
+        let make = if bars { Pendulum::rods } else { Pendulum::points };
+        let [masses, lengths] = [masses, lengths].map(|pair| pair.map(Theta::from_f64));
+        make(masses, lengths, Theta::from_f64(1.0)).reduced().0
+    }
+
+    fn rubbed(pendulum: Pendulum<Theta>, friction: [f64; 2]) -> Pendulum<Theta> {
+        Pendulum { friction: Some(friction.map(Theta::from_f64)), ..pendulum }
+    }
+
+    /// Compares the first pass of each start with the gold standard's, in as many digits; returns the
+    /// number of starts that pass.
+    fn check(pendulum: &Pendulum<Theta>, starts: &[State<Theta>], rule: Rule) -> usize {
+        let opening = Opening::new(pendulum, rule.watched(), 1e3);
+        let mut passed = 0;
+        for start in starts {
+            let from_top = start.angle.map(|angle| from_top(angle).to_f64());
+            if !opening.concerns(from_top, start.speed.map(Theta::to_f64)) {
+                continue;
+            }
+            let moments = opening.first_moments(start);
+            let length = opening.length(start);
+            let budget = Fixed::from_f64(length);
+            let short = pendulum.map(Fixed::<6>::from_theta);
+            let given = State {
+                angle: start.angle.map(Fixed::from_theta),
+                speed: start.speed.map(Fixed::from_theta),
+            };
+            let truth = oracle::outcome_from(&short, &given, rule, budget);
+            let words = format!("{:?} {rule} {start:?} {:?}", pendulum.to_f64(), moments.passes);
+            let Some(first) = moments.passes.first() else {
+                assert_ne!(truth.status, Status::Flipped, "{words}");
+                continue;
+            };
+            let begins_there = from_top.contains(&0.0);
+            if begins_there && first.time.hi < 1e-25 {
+                // It leaves the top and comes back within less than the gold standard's digits tell.
+                continue;
+            }
+            passed += 1;
+            assert_eq!(truth.status, Status::Flipped, "{words}");
+            let (time, truth) = (first.time.to_f64(), truth.time.to_f64());
+            assert!((time - truth).abs() < 1e-9 * length, "{words} {time:e} {truth:e}");
+        }
+        passed
+    }
+
+    const CORNERS: [[f64; 2]; 7] =
+        [[0.0, 2.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [-1.0, 2.0], [2.0, 1.0], [0.6, 2.0]];
+
+    fn pendulums() -> [Pendulum<Theta>; 3] {
+        [
+            reduced(false, [1.0; 2], [1.0; 2]),
+            reduced(true, [1.0; 2], [1.0; 2]),
+            reduced(false, [0.02, 1.0], [1.0, 0.3]),
+        ]
+    }
+
+    #[test]
+    fn openings_are_those_of_the_gold_standard_down_to_1e_50_from_the_top() {
+        for pendulum in pendulums() {
+            for (_, rule) in Rule::ALL {
+                let starts = CORNERS.into_iter().flat_map(around).map(State::rest);
+                let passed = check(&pendulum, &starts.collect::<Vec<_>>(), rule);
+                assert!(passed >= 5, "{:?} {rule} {passed}", pendulum.to_f64());
+            }
+        }
+    }
+
+    #[test]
+    fn openings_with_friction_are_those_of_the_gold_standard() {
+        for pendulum in pendulums() {
+            for friction in [[0.1, 0.1], [0.0, 30.0], [1e-6, 0.0], [1e3, 1e3]] {
+                let starts = CORNERS.into_iter().flat_map(around).map(State::rest);
+                let starts: Vec<_> = starts.step_by(3).collect();
+                let passed = check(&rubbed(pendulum, friction), &starts, Rule::Either);
+                assert!(passed >= 10, "{:?} {friction:?} {passed}", pendulum.to_f64());
+            }
+        }
+    }
+
+    #[test]
+    fn openings_of_thrown_pendulums_are_those_of_the_gold_standard() {
+        let speeds = [[0.0, 1.0], [0.0, -1.0], [3.0, 1e-12], [40.0, -1e-30], [-2.0, 0.0]];
+        for pendulum in pendulums() {
+            for speed in speeds {
+                let speed = speed.map(Theta::from_f64);
+                let starts = CORNERS.into_iter().flat_map(around);
+                let thrown: Vec<_> = starts.map(|angle| State { angle, speed }).collect();
+                let passed = check(&pendulum, &thrown, Rule::Either)
+                    + check(&rubbed(pendulum, [0.2, 3.0]), &thrown, Rule::Second);
+                assert!(passed >= 20, "{:?} {speed:?} {passed}", pendulum.to_f64());
+            }
+        }
+    }
+
+    #[test]
+    fn a_start_exactly_at_the_top_is_put_where_it_moves() {
+        let pendulum = reduced(false, [1.0; 2], [1.0; 2]);
+        let quarter = Theta::pi().halved(1);
+        let opening = Opening::new(&pendulum, Rule::Second.watched(), 1e3);
+        let thrown = |angle: [Theta; 2], speed: f64| State {
+            angle,
+            speed: [Theta::ZERO, Theta::from_f64(speed)],
+        };
+        // Where the acceleration vanishes, the next derivative decides: the bob stays on one side.
+        for (theta1, speed, side) in [
+            (quarter, 0.0, None),
+            (-quarter, 0.0, None),
+            (Theta::from_f64(2.0), 0.0, Some(-1.0)),
+            (Theta::from_f64(2.0), 0.5, Some(-1.0)),
+            (Theta::from_f64(2.0), -0.5, Some(1.0)),
+            (Theta::from_f64(-2.0), -1e-90, Some(1.0)),
+        ] {
+            let start = thrown([theta1, Theta::pi()], speed);
+            let moments = opening.first_moments(&start);
+            assert!(moments.passes.is_empty(), "{theta1} {speed}");
+            let mirrored = opening.first_moments(&thrown([-theta1, Theta::pi()], -speed));
+            assert_eq!(moments.angle[1].abs(), Dd::PI);
+            assert_eq!(moments.angle[1], -mirrored.angle[1], "{theta1} {speed}");
+            assert!(side.is_none_or(|side| moments.angle[1].hi.signum() == side));
+        }
+    }
+
+    #[test]
+    fn a_bob_thrown_over_the_top_passes_it_once_and_a_braked_one_comes_back() {
+        let pendulum = reduced(false, [1.0; 2], [1.0; 2]);
+        let opening = Opening::new(&pendulum, Rule::Second.watched(), 1e3);
+        let just_below = Theta::pi() - Theta::parse("1e-70").unwrap();
+        let passes = |theta1: f64, speed: f64| {
+            let angle = [Theta::from_f64(theta1), just_below];
+            let speed = [Theta::ZERO, Theta::from_f64(speed)];
+            opening.first_moments(&State { angle, speed }).passes
+        };
+        let over = passes(1.0, 2.0);
+        assert!(over.len() == 1 && over[0].anticlockwise && over[0].time.hi < 1e-69, "{over:?}");
+        assert!(passes(1.0, -2.0).is_empty());
+        // θ1 = 1 pulls the bob back: it is over the top for 1e-3 units of time.
+        let braked = passes(1.0, 3e-4);
+        assert!(braked.len() == 2 && braked[0].anticlockwise && !braked[1].anticlockwise);
+    }
+
+    #[test]
+    fn first_moments_end_where_the_gold_standard_is() {
+        let pendulum = rubbed(reduced(false, [1.0, 0.4], [1.0, 0.7]), [0.3, 0.8]);
+        let opening = Opening::new(&pendulum, Rule::Second.watched(), 1e3);
+        let angle = [Theta::from_f64(0.7), Theta::pi() - Theta::from_f64(1e-25)];
+        let start = State { angle, speed: [-1.5, 0.25].map(Theta::from_f64) };
+        let moments = opening.first_moments(&start);
+        let mut orbit = crate::taylor::Orbit::new(pendulum, start);
+        let truth = pendulum.phase(&orbit.state_at(Theta::from_f64(moments.length)));
+        let precise = moments.precise_end(&pendulum.map(Theta::to_dd));
+        let end = moments.end(&pendulum.to_f64());
+        for i in 0..6 {
+            assert!((precise[i] - truth[i].to_dd()).abs().hi < 1e-30, "{i}");
+            assert!((end[i] - truth[i].to_f64()).abs() < 1e-15, "{i}");
+        }
+    }
+}
