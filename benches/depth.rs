@@ -8,9 +8,9 @@ use flipmap::engine::Engine;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::BALANCED;
-use flipmap::scene::{BuiltIn, Document, Scene};
 use flipmap::tiles::Work;
 use flipmap::tiles::preview::preview;
+use flipmap_scene::{BuiltIn, Document, Scene};
 
 const SMALL: u32 = 16;
 const LARGE: u32 = 256;

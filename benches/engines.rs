@@ -9,8 +9,8 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::gpu::device;
 use flipmap::engine::{Engine, IntegratorConfig, Method, Precision, Question};
 use flipmap::report::{baseline, stopwatch};
-use flipmap::scene::{Fate, Grid, Scene};
 use flipmap_numbers::Dd;
+use flipmap_scene::{Fate, Grid, Scene};
 
 const SIDE: u32 = 512;
 const ROUNDS: usize = 7;

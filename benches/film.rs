@@ -9,11 +9,11 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::BALANCED;
 use flipmap::farm::{Parts, Plan, PlannedOutput, Task, TaskKind, merge, run};
-use flipmap::scene::film::Film;
-use flipmap::scene::keys::{Easing, Key};
-use flipmap::scene::{BuiltIn, Document, Sampling};
 use flipmap::tiles::Work;
 use flipmap::tiles::preview::preview;
+use flipmap_scene::film::Film;
+use flipmap_scene::keys::{Easing, Key};
+use flipmap_scene::{BuiltIn, Document, Sampling};
 
 const FRAMES: u32 = 600;
 const SIZE: [u32; 2] = [96, 72];

@@ -7,8 +7,8 @@ use std::time::Instant;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{Cells, IntegratorConfig, Method, Precision};
 use flipmap::output::{Paths, RenderClock, Sinks, pass_work, render_pass};
-use flipmap::scene::{BuiltIn, Document, Sampling};
 use flipmap::tiles::Renderer;
+use flipmap_scene::{BuiltIn, Document, Sampling};
 
 /// Samples of a pixel, and pixels along a side.
 const PICTURES: [(Sampling, u32); 4] = [

@@ -7,9 +7,9 @@ use flipmap::engine::Engine;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::BALANCED;
-use flipmap::scene::{Scene, View};
 use flipmap::tiles::Work;
 use flipmap::tiles::preview::preview;
+use flipmap_scene::{Scene, View};
 
 const SIDE: u32 = 512;
 

@@ -4,8 +4,8 @@
 
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap::engine::{Accuracy, EngineKind};
-use flipmap::scene::Scene;
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_scene::Scene;
 
 const SIZE: [u32; 2] = [48, 48];
 /// Greatest difference in s that counts as equal.

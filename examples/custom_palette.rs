@@ -4,9 +4,9 @@
 
 use flipmap::engine::EngineKind;
 use flipmap::engine::choice::EngineRequest;
-use flipmap::scene::Scene;
 use flipmap::tiles::Renderer;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::Scene;
 use image::{Rgb, RgbImage};
 
 const SIDE: u32 = 96;

@@ -7,8 +7,8 @@ use std::fs::File;
 use flipmap::engine::EngineKind;
 use flipmap::engine::choice::EngineRequest;
 use flipmap::output::NpyWriter;
-use flipmap::scene::Document;
 use flipmap::tiles::Renderer;
+use flipmap_scene::Document;
 
 const SIZE: [u32; 2] = [96, 64];
 

@@ -10,10 +10,10 @@ use flipmap::farm::{PartForm, PartForms, Parts, Plan};
 use flipmap::film::Frames;
 use flipmap::output::compare::{ResultRows, Yardstick, compare};
 use flipmap::output::{RenderState, document_in_png};
-use flipmap::scene::keys::Keys;
-use flipmap::scene::palette::gradient::{ENDINGS, list_text, parse_file, parse_list};
-use flipmap::scene::{Document, in_rad, location};
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_scene::keys::Keys;
+use flipmap_scene::palette::gradient::{ENDINGS, list_text, parse_file, parse_list};
+use flipmap_scene::{Document, in_rad, location};
 use sha2::{Digest, Sha256};
 
 /// A parser of bytes.

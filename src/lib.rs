@@ -11,7 +11,7 @@
 //! ```
 //! use flipmap::engine::choice::EngineRequest;
 //! use flipmap::engine::EngineKind;
-//! use flipmap::scene::Document;
+//! use flipmap_scene::Document;
 //! use flipmap::tiles::Renderer;
 //!
 //! let scene = Document::parse("[view]\ncenter = [\"2\", \"1.4\"]\nwidth = \"0.1\"")?.scene();
@@ -67,7 +67,5 @@ pub mod film;
 #[cfg(feature = "window")]
 pub mod lab;
 pub mod output;
-pub mod question;
 pub mod report;
-pub mod scene;
 pub mod tiles;

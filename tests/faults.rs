@@ -383,7 +383,7 @@ fn the_page_of_a_pyramid_escapes_what_a_scene_says() {
     let output = flipmap(&folder, &[&words[..], &CPU].concat());
     assert_eq!(output.status.code(), Some(2), "{}", error_of(&output));
     assert!(!folder.path().join("tiles").exists());
-    let mut document = flipmap::scene::Document::default();
+    let mut document = flipmap_scene::Document::default();
     document.run.method = Some(hostile.to_string());
     let path = folder.path().join("tiles");
     flipmap::output::Pyramid::create(&path, [1, 1], &document)

@@ -8,8 +8,8 @@ use std::sync::Mutex;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Method, Precision};
 use flipmap::output::{Paths, RenderClock, Sinks, render_pass};
-use flipmap::scene::{Document, Sampling};
 use flipmap::tiles::{Counts, Work};
+use flipmap_scene::{Document, Sampling};
 
 const CONFIG: IntegratorConfig =
     IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };

@@ -11,7 +11,7 @@ mod trace;
 mod _flipmap {
     use flipmap::engine::Trust;
     use flipmap_pendulum::Status;
-    use flipmap::scene::{BuiltIn, Word};
+    use flipmap_scene::{BuiltIn, Word};
     use pyo3::prelude::*;
 
     #[pymodule_export]

@@ -6,15 +6,15 @@ use flipmap::engine::EngineKind;
 use flipmap::engine::choice::{ChoiceError, EngineRequest};
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::output::number_of;
-use flipmap::question::Channel;
-use flipmap::scene::{PictureTable, RunTable};
+use flipmap_scene::question::Channel;
+use flipmap_scene::{PictureTable, RunTable};
 use flipmap::tiles::{Renderer, Samples};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::clock::Clock;
-use crate::scene::{document, value_error};
+use flipmap_scene::{document, value_error};
 
 /// How to compute, in words; `None` for what is left to the program.
 #[derive(FromPyObject)]

@@ -1,7 +1,7 @@
 //! A scene from what Python says: a name, a file or a text, and words.
 
 use flipmap::output::named_document;
-use flipmap::scene::{BuiltIn, Document, Word};
+use flipmap_scene::{BuiltIn, Document, Word};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 

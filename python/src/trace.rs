@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::clock::Clock;
-use crate::scene::{document, value_error};
+use flipmap_scene::{document, value_error};
 
 /// Largest number of rows of a table.
 const MOST_ROWS: f64 = 1e8;

@@ -12,9 +12,9 @@ use super::settings::{EdgeSamples, Layers, Theme};
 use super::state::Dialog;
 use crate::engine::{Accuracy, EngineKind};
 use crate::lab::Figure;
-use crate::scene::{Document, PictureTable, Scene};
 use flipmap_numbers::Theta;
 use flipmap_pendulum::State;
+use flipmap_scene::{Document, PictureTable, Scene};
 
 /// A movement of the view. Points are measured from the middle of the canvas, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use super::integration::Integration;
 use super::model::AppModel;
 use crate::engine::choice::EngineRequest;
 use crate::engine::{Cells, EngineKind, IntegratorConfig, Precision};
-use crate::scene::lattice::pitch_rad;
+use flipmap_scene::lattice::pitch_rad;
 
 impl AppModel {
     /// The request for an engine that answers the question as the panels say: by the processor for growth

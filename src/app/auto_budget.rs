@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use super::camera::Camera;
 use super::compute_service::Wake;
 use super::model::AppModel;
-use crate::scene::{Budget, Build, QuestionTable, Scene};
+use flipmap_scene::{Budget, Build, QuestionTable, Scene};
 
 /// Returns a scene's question; a budget that equals the guess of an automatic one follows the depth.
 pub(super) fn following(scene: &Scene) -> QuestionTable {
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
     use crate::app::compute_service::woken;
     use crate::app::reach::Reach;
-    use crate::scene::View;
+    use flipmap_scene::View;
     use std::time::Duration;
 
     #[test]

@@ -4,9 +4,9 @@
 use glam::{DMat2, DVec2};
 
 use super::reach::Reach;
-use crate::scene::lattice::{DEEPEST, Region, pitch_rad};
-use crate::scene::{BuiltIn, LEAST_WIDTH, View};
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_scene::lattice::{DEEPEST, Region, pitch_rad};
+use flipmap_scene::{BuiltIn, LEAST_WIDTH, View};
 
 /// A view as numbers, in the radians of the lattice; on the torus these are those of the angles.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,11 +4,11 @@ use super::hover::Answer;
 use super::map::Hovered;
 use super::reach::Reach;
 use crate::engine::Trust;
-use crate::question::{Channel, ChannelScale};
-use crate::scene::lattice::pitch_rad;
-use crate::scene::{PlaneKind, Scene};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
+use flipmap_scene::lattice::pitch_rad;
+use flipmap_scene::question::{Channel, ChannelScale};
+use flipmap_scene::{PlaneKind, Scene};
 
 /// Describes a sample of a level: its coordinates on the scene's plane and its answer.
 pub fn words_of(hovered: &Hovered, scene: &Scene, level: u32) -> String {
@@ -82,8 +82,8 @@ fn value_words(Channel { name, unit, right, scale }: &Channel, value: f64) -> St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::question::{Ask, MOST_CHANNELS};
-    use crate::scene::{Plane, QuestionTable};
+    use flipmap_scene::question::{Ask, MOST_CHANNELS};
+    use flipmap_scene::{Plane, QuestionTable};
 
     fn answer(status: Status, first: &[f64], trust: Trust) -> Option<Answer> {
         let mut values = [0.0; MOST_CHANNELS];

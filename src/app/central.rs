@@ -14,9 +14,9 @@ use super::panels::pendulum;
 use super::panels::toolbar::toolbar;
 use super::state::AppState;
 use super::{hover, overlay};
-use crate::scene::palette::AnswerColours;
-use crate::scene::{Build, Plane, QuestionTable, Scene, SceneError};
 use flipmap_pendulum::Rule;
+use flipmap_scene::palette::AnswerColours;
+use flipmap_scene::{Build, Plane, QuestionTable, Scene, SceneError};
 
 /// Returns a pendulum and the rule of its energy curve; none if no energy divides its map.
 fn curve_of((build, question, plane): (Build, QuestionTable, &Plane)) -> Option<(Build, Rule)> {

@@ -1,7 +1,7 @@
 //! The palette running over the map, round and round.
 
-use crate::scene::PictureTable;
-use crate::scene::palette::Palette;
+use flipmap_scene::PictureTable;
+use flipmap_scene::palette::Palette;
 
 /// Times a second that the palette can come round.
 pub const CYCLE_SPEEDS: std::ops::RangeInclusive<f64> = 0.02..=1.0;

@@ -14,8 +14,8 @@ use super::side_panel::PANELS;
 use super::state::{AppState, Dialog};
 use crate::engine::Accuracy;
 use crate::lab::Figure;
-use crate::scene::palette::Palette;
-use crate::scene::{BUILT_IN, PictureTable};
+use flipmap_scene::palette::Palette;
+use flipmap_scene::{BUILT_IN, PictureTable};
 
 /// An action with a name.
 pub struct Command {

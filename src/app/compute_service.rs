@@ -333,9 +333,9 @@ pub(super) fn step_back() {
 mod tests {
     use super::*;
     use crate::engine::Accuracy;
-    use crate::scene::Scene;
-    use crate::scene::lattice::Region;
     use crate::tiles::view_target::Physics;
+    use flipmap_scene::Scene;
+    use flipmap_scene::lattice::Region;
 
     #[test]
     fn only_the_choice_of_the_fastest_waits_for_a_comparison() {

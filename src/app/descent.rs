@@ -12,10 +12,10 @@ use super::panels::descent::DescentAction;
 use super::reach::Reach;
 use crate::engine::choice::{ChoiceError, EngineRequest, choose};
 use crate::engine::{EngineError, EngineKind};
-use crate::scene::{Document, Scene};
 use crate::tiles::descent::{Descent, DescentStep};
 use crate::tiles::explorer::ViewProgress;
 use crate::tiles::view_target::ViewTarget;
+use flipmap_scene::{Document, Scene};
 
 /// A descent on a thread with an engine of its own. Dropping it stops the descent.
 #[derive(Debug)]
@@ -207,7 +207,7 @@ fn descent(
 mod tests {
     use super::*;
     use crate::app::compute_service::woken;
-    use crate::scene::BuiltIn;
+    use flipmap_scene::BuiltIn;
     use std::time::Duration;
 
     #[test]

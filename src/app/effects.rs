@@ -13,9 +13,9 @@ use super::pin_start::PinStart;
 use super::state::Effect;
 use super::view_samples;
 use crate::output::Picture;
-use crate::scene::palette::{AnswerColours, equalised};
-use crate::scene::{PictureTable, Scale};
 use flipmap_numbers::Theta;
+use flipmap_scene::palette::{AnswerColours, equalised};
+use flipmap_scene::{PictureTable, Scale};
 
 const NO_DIALOG: &str = "The desktop has no file dialog (no portal answers): type a path under \
                          Export, or drop a file on the window.";

@@ -5,10 +5,10 @@ use glam::DVec2;
 
 use super::camera::Screen;
 use super::overlay::position;
-use crate::scene::Build;
-use crate::scene::palette::Rgb;
 use flipmap_numbers::{Angle, Scalar, Theta};
 use flipmap_pendulum::Rule;
+use flipmap_scene::Build;
+use flipmap_scene::palette::Rgb;
 
 /// Distance in points between the nodes at which the energy is evaluated.
 const CURVE_NODE: f64 = 8.0;

@@ -12,8 +12,8 @@ use crate::engine::Cells;
 use crate::engine::choice::{EngineRequest, choose};
 use crate::engine::run_settings::{RunSettingsError, RunSpec};
 use crate::output::{Paths, PictureRecipe, RenderError, Watch, is_one_file, sentence};
-use crate::scene::{Document, DocumentError, RunTable};
 use crate::tiles::Renderer;
+use flipmap_scene::{Document, DocumentError, RunTable};
 
 /// The content of an exported file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -299,7 +299,7 @@ pub(super) fn thousands(count: f64) -> String {
 mod tests {
     use super::*;
     use crate::engine::EngineKind;
-    use crate::scene::{BuiltIn, location};
+    use flipmap_scene::{BuiltIn, location};
 
     fn request(path: PathBuf) -> ExportRequest {
         let mut document = BuiltIn::named("filigree").unwrap().document();

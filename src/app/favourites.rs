@@ -2,7 +2,7 @@
 
 use super::model::AppModel;
 use super::settings::Settings;
-use crate::scene::PictureTable;
+use flipmap_scene::PictureTable;
 
 /// The digits under which colours can be kept.
 pub(super) const DIGITS: std::ops::RangeInclusive<u8> = 1..=9;
@@ -70,7 +70,7 @@ impl AppModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Sampling;
+    use flipmap_scene::Sampling;
 
     #[test]
     fn colours_are_kept_without_what_belongs_to_the_picture() {

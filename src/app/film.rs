@@ -11,7 +11,7 @@ use super::film_run::FilmRequest;
 use super::model::{AppModel, Asking};
 use super::panels::film::FilmAction;
 use super::reach::Reach;
-use crate::scene::{Scene, View};
+use flipmap_scene::{Scene, View};
 
 impl AppModel {
     /// Carries out an action of the film's panel; returns what the map is to do.

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::flight::playback::Playback;
 use crate::output::{Destination, SafeFile, read_text};
-use crate::scene::film::{Film, FilmError};
-use crate::scene::keys::{Easing, Key, Keys};
-use crate::scene::{Budget, Document, QuestionTable, Scene};
+use flipmap_scene::film::{Film, FilmError};
+use flipmap_scene::keys::{Easing, Key, Keys};
+use flipmap_scene::{Budget, Document, QuestionTable, Scene};
 
 /// A film that is being planned.
 #[derive(Clone, Debug, PartialEq)]

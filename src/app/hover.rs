@@ -1,13 +1,13 @@
 //! The sample under the pointer.
 
 use crate::engine::Trust;
-use crate::question::MOST_CHANNELS;
-use crate::scene::Turn;
-use crate::scene::lattice::{Cell, SIDE};
 use crate::tiles::Stride;
 use crate::tiles::explorer::Explorer;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::Turn;
+use flipmap_scene::lattice::{Cell, SIDE};
+use flipmap_scene::question::MOST_CHANNELS;
 
 /// The answer that the map shows for a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,9 +91,9 @@ impl Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use flipmap_scene::Scene;
 
-    use crate::scene::lattice::pitch_rad;
+    use flipmap_scene::lattice::pitch_rad;
 
     #[test]
     fn a_sample_starts_where_its_tile_says() {

@@ -6,7 +6,7 @@ use super::history::History;
 use super::reach::Reach;
 use super::state::{AppState, Effect};
 use crate::engine::run_settings::RunSpec;
-use crate::scene::{Document, RunTable, Scene, location};
+use flipmap_scene::{Document, RunTable, Scene, location};
 
 impl AppState {
     /// Shows a document's pendulum, view and colours, with the accuracy that it states, if any.

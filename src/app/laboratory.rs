@@ -11,9 +11,9 @@ use super::settings::Settings;
 use super::state::Effect;
 use crate::lab::flips::{Seen, explain};
 use crate::lab::{Figure, FigureRequest, story};
-use crate::scene::{Build, Plane, Scene};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::State;
+use flipmap_scene::{Build, Plane, Scene};
 
 /// Width of the view that shows a start from the laboratory, as a fraction of the home view's.
 const PART: f64 = 1.0 / 16.0;

@@ -12,10 +12,10 @@ use super::hover::Answer;
 use super::overlay::{self, position};
 use super::pin_paths;
 use super::state::AppState;
-use crate::scene::Build;
-use crate::scene::palette::Ground;
 use flipmap_numbers::Theta;
 use flipmap_pendulum::Rule;
+use flipmap_scene::Build;
+use flipmap_scene::palette::Ground;
 
 /// The sample of the map under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -34,8 +34,8 @@ use super::swing::HoverSwing;
 use crate::engine::choice::EngineRequest;
 use crate::engine::run_settings::RunSpec;
 use crate::lab::{Figure, Lab};
-use crate::scene::{BuiltIn, Document, PictureTable, RunTable};
 use crate::tiles::explorer::ViewProgress;
+use flipmap_scene::{BuiltIn, Document, PictureTable, RunTable};
 
 /// Options for opening a window.
 #[derive(Clone, Debug)]

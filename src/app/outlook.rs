@@ -14,9 +14,9 @@ use crate::engine::cpu::CpuEngine;
 use crate::engine::depth::DepthEngine;
 use crate::engine::trust::Outlook;
 use crate::engine::{Accuracy, Cells, EngineError, IntegratorConfig};
-use crate::scene::Scene;
 use crate::tiles::outlook;
 use crate::tiles::view_target::ViewTarget;
+use flipmap_scene::Scene;
 
 /// Width and height in pixels of the picture that stands for the view.
 const SIZE: [u32; 2] = [64, 64];
@@ -139,10 +139,10 @@ mod tests {
     use super::*;
     use crate::app::compute_service::woken;
     use crate::engine::level::BALANCED;
-    use crate::scene::lattice::Region;
-    use crate::scene::{Budget, QuestionTable};
     use crate::tiles::view_target::Physics;
     use flipmap_numbers::Theta;
+    use flipmap_scene::lattice::Region;
+    use flipmap_scene::{Budget, QuestionTable};
     use std::time::Duration;
 
     #[test]

@@ -4,10 +4,10 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use glam::DVec2;
 
 use super::camera::Screen;
-use crate::scene::Axis;
-use crate::scene::lattice::side_rad;
 use crate::tiles::explorer::MOST_CELLS;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_scene::Axis;
+use flipmap_scene::lattice::side_rad;
 
 /// Least distance in points between grid lines.
 const POINTS_APART: f64 = 130.0;

@@ -1,9 +1,9 @@
 //! The start of a pinned pixel, at rest or with speeds.
 
 use super::reach::Reach;
-use crate::scene::Scene;
 use flipmap_numbers::Theta;
 use flipmap_pendulum::Launch;
+use flipmap_scene::Scene;
 
 /// The start of a pinned pixel and of the one beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +41,8 @@ impl PinStart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Plane, PlaneKind};
     use flipmap_numbers::Scalar;
+    use flipmap_scene::{Plane, PlaneKind};
 
     #[test]
     fn a_place_of_another_plane_is_a_start_with_speeds() {

@@ -5,8 +5,8 @@ use egui::Color32;
 use super::flight::{Flight, Playback, Trail};
 use super::pin_start::PinStart;
 use crate::engine::{Question, Trust};
-use crate::scene::{Build, Scene};
 use flipmap_pendulum::Outcome;
+use flipmap_scene::{Build, Scene};
 
 /// Largest number of pins at once.
 pub const MOST_PINS: usize = 8;
@@ -281,7 +281,6 @@ impl Pins {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene;
     use flipmap_numbers::Decimal;
     use flipmap_numbers::Scalar;
 
@@ -370,7 +369,7 @@ mod tests {
         let earth = flip(&pins);
         pins.tell(ids[0], (Outcome::flipped(earth.time.hi), Trust::Agreed));
         pins.apply(PinAction::Scrub(2.0));
-        let view = scene::View { width: "1".into(), ..scene::View::default() };
+        let view = flipmap_scene::View { width: "1".into(), ..flipmap_scene::View::default() };
         pins.relaunch(&Scene { view, ..Scene::default() }, || ());
         assert!(pins.selected().unwrap().told.is_some());
 

@@ -183,7 +183,7 @@ fn write(path: &Path, picture: &Picture) -> Result<(), PngError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Document;
+    use flipmap_scene::Document;
 
     fn picture(width: &str) -> Picture {
         let mut document = Document::default();

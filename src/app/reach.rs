@@ -1,7 +1,7 @@
 //! The part of a plane of starts that the window can reach, and the scale of its lattice.
 
-use crate::scene::Scene;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_scene::Scene;
 
 /// Scale and extent of the lattice, a square from −π to π, on a plane of starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

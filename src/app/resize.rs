@@ -28,7 +28,7 @@ impl AppState {
 mod tests {
     use super::*;
     use crate::engine::run_settings::RunSpec;
-    use crate::scene::BuiltIn;
+    use flipmap_scene::BuiltIn;
 
     fn state(scene: &str) -> AppState {
         let document = BuiltIn::named(scene).unwrap().document();

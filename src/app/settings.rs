@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::folders::Folders;
 use crate::output::{Destination, SafeFile, read_text};
-use crate::scene::Document;
+use flipmap_scene::Document;
 
 /// The appearance of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,9 +3,9 @@
 use super::camera::Camera;
 use super::model::AppModel;
 use super::view_samples;
-use crate::scene::PictureTable;
-use crate::scene::palette::equalised;
 use crate::tiles::Stride;
+use flipmap_scene::PictureTable;
+use flipmap_scene::palette::equalised;
 
 /// Number of levels coarser than the finest whose times suffice for a deep view's colours.
 const COARSER: u32 = 3;

@@ -18,10 +18,10 @@ use super::settings::{Appearance, Layers, Settings};
 use crate::engine::run_settings::RunSpec;
 use crate::engine::{Accuracy, IntegratorConfig};
 use crate::lab::Figure;
-use crate::scene::{Build, Document, PictureTable, Plane, QuestionTable, Scene};
 use crate::tiles::view_target::{Physics, ViewTarget};
 use flipmap_numbers::Theta;
 use flipmap_pendulum::State;
+use flipmap_scene::{Build, Document, PictureTable, Plane, QuestionTable, Scene};
 
 /// A panel or window that opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -313,7 +313,7 @@ impl AppState {
             Action::Paste(text) => return self.paste(&text),
             Action::CopyLocation => {
                 self.notices.tell("The location was copied: paste it anywhere, or here.");
-                return Some(Effect::Copy(crate::scene::location::text(&self.document().scene())));
+                return Some(Effect::Copy(flipmap_scene::location::text(&self.document().scene())));
             }
             Action::Find(angle) => self.go(Camera { center: angle, ..self.target() }),
             Action::Dismiss(id) => self.notices.dismiss(id),
@@ -402,9 +402,9 @@ pub(super) mod tests {
     use crate::engine::choice::IntegrationSetting;
     use crate::engine::level::BALANCED;
     use crate::engine::{Method, Precision};
-    use crate::question::Ask;
-    use crate::scene::Budget;
     use flipmap_numbers::Scalar;
+    use flipmap_scene::Budget;
+    use flipmap_scene::question::Ask;
 
     /// Returns the state of a window with the home scene.
     pub(crate) fn state() -> AppState {

@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use super::model::AppModel;
 use crate::output::{Destination, SafeFile};
-use crate::scene::location;
 use crate::tiles::explorer::ViewProgress;
 use flipmap_numbers::Scalar;
+use flipmap_scene::location;
 
 /// Measurements since the window was opened.
 #[derive(Debug)]

@@ -2,10 +2,10 @@
 
 use super::pin_start::PinStart;
 use super::reach::Reach;
-use crate::scene::Scene;
 use flipmap_numbers::Theta;
 use flipmap_pendulum::phase::{Phase, rk4};
 use flipmap_pendulum::{Pendulum, State};
+use flipmap_scene::Scene;
 
 /// Time that the pointer rests before the pendulum is let go, s.
 const REST_SECS: f64 = 0.6;

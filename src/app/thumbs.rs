@@ -1,17 +1,6 @@
-//! Small pictures of the built-in places, made by `scripts/gallery thumbs`.
+//! Small pictures of the built-in places.
 
-macro_rules! thumbs {
-    ($($name:literal)*) => {
-        [$(($name, include_bytes!(concat!("../../assets/thumbs/", $name, ".jpg")))),*]
-    };
-}
-
-/// The pictures as JPEG files, by the names of their scenes.
-const THUMBS: [(&str, &[u8]); 23] = thumbs! {
-    "home" "lesson" "filigree" "threads" "deep" "abyss" "trench" "seabed" "shore" "tip" "upright"
-    "island" "either" "first" "rods" "heavy" "heyl" "moment" "islands" "turns" "section" "thrown"
-    "damped"
-};
+use flipmap_assets::THUMBS;
 
 /// Returns the picture of a built-in scene: its width and height, and three bytes per pixel.
 pub(super) fn thumb(name: &str) -> Option<([usize; 2], Vec<u8>)> {
@@ -24,7 +13,7 @@ pub(super) fn thumb(name: &str) -> Option<([usize; 2], Vec<u8>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::BUILT_IN;
+    use flipmap_scene::BUILT_IN;
 
     #[test]
     fn every_built_in_place_has_a_small_picture() {

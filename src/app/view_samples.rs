@@ -4,11 +4,11 @@ use glam::DVec2;
 
 use super::camera::Screen;
 use super::hover::{Answer, known_near};
-use crate::scene::lattice::Cell;
-use crate::scene::palette::AnswerColours;
 use crate::tiles::Stride;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::palette::AnswerColours;
 
 /// Width and height of a bookmark's picture in pixels.
 pub const THUMBNAIL: [u32; 2] = [192, 144];

@@ -6,8 +6,8 @@ use anyhow::Context;
 use clap::Args;
 use flipmap::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
 use flipmap::output::{PictureFile, SafeFile, read_document};
-use flipmap::question::Ask;
-use flipmap::scene::QuestionTable;
+use flipmap_scene::QuestionTable;
+use flipmap_scene::question::Ask;
 
 use super::exit::Exit;
 use super::options::number;

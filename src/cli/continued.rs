@@ -6,8 +6,8 @@ use anyhow::Context;
 use flipmap::engine::choice::EngineRequest;
 use flipmap::engine::{Engine, EngineKind, IntegratorConfig};
 use flipmap::output::{Destination, RenderState, RunRecord, SafeFile, read_plain};
-use flipmap::scene::Document;
 use flipmap::tiles::SavedPixels;
+use flipmap_scene::Document;
 
 use super::exit::Exit;
 use super::run_options::prefer_engine;

@@ -7,9 +7,9 @@ use anyhow::Context;
 use clap::Args;
 use flipmap::engine::choice::Chosen;
 use flipmap::output::{Destination, SafeFile, is_stdout};
-use flipmap::scene::keys::{Easing, Keys};
-use flipmap::scene::{LEAST_WIDTH, Scene, location};
 use flipmap::tiles::descent::{Descent, DescentStep};
+use flipmap_scene::keys::{Easing, Keys};
+use flipmap_scene::{LEAST_WIDTH, Scene, location};
 
 use super::exit::Exit;
 use super::options::{SceneOptions, number};

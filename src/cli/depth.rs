@@ -1,8 +1,8 @@
 //! Reports on deep pictures: the digits used, the horizon, and where structure ends.
 
 use flipmap::engine::{DepthStats, IntegratorConfig};
-use flipmap::scene::{Budget, Scene};
 use flipmap::tiles::Counts;
+use flipmap_scene::{Budget, Scene};
 
 /// Statistics of deep pixels as a JSON object.
 pub(super) fn depth_object(

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use flipmap::engine::EngineError;
 use flipmap::engine::choice::ChoiceError;
 use flipmap::output;
-use flipmap::scene::{DocumentError, SceneError};
+use flipmap_scene::{DocumentError, SceneError};
 
 use super::option_names::with_options;
 

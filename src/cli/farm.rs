@@ -8,10 +8,10 @@ use flipmap::farm::merge::{self, FilmSink, MergeError};
 use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, WorkPiece, run};
 use flipmap::film::ffmpeg::Codec;
 use flipmap::output::{read_text, shell_word};
-use flipmap::scene::film::{Film, FilmKind};
-use flipmap::scene::palette::Palette;
-use flipmap::scene::{Document, Sampling};
 use flipmap::tiles::{Counts, Renderer};
+use flipmap_scene::film::{Film, FilmKind};
+use flipmap_scene::palette::Palette;
+use flipmap_scene::{Document, Sampling};
 
 use super::exit::Exit;
 use super::picture_options::PictureOptions;

@@ -6,11 +6,11 @@ use std::str::FromStr;
 use clap::Args;
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::output::read_text;
-use flipmap::question::Ask;
-use flipmap::scene::film::Film;
-use flipmap::scene::keys::{Easing, Key, Keys};
-use flipmap::scene::{Budget, Document, DocumentError, Sampling, Scene, SceneError, View, Word};
 use flipmap_numbers::Decimal;
+use flipmap_scene::film::Film;
+use flipmap_scene::keys::{Easing, Key, Keys};
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Budget, Document, DocumentError, Sampling, Scene, SceneError, View, Word};
 
 use super::exit::Exit;
 use super::options::{SceneWords, load, number};

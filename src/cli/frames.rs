@@ -5,9 +5,9 @@ use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::{Cells, IntegratorConfig};
 use flipmap::farm::merge::FilmSink;
 use flipmap::output::RowPainter;
-use flipmap::scene::film::{Film, Shot};
 use flipmap::tiles::Renderer;
 use flipmap::tiles::moments::Moments;
+use flipmap_scene::film::{Film, Shot};
 
 use super::exit::Exit;
 use super::progress::Progress;

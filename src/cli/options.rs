@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 use clap::builder::Resettable;
 use flipmap::output::named_document;
-use flipmap::scene::{BuiltIn, Document, SceneError, Word};
+use flipmap_scene::{BuiltIn, Document, SceneError, Word};
 
 use super::exit::Exit;
 use super::same_file::Named;

@@ -5,8 +5,8 @@ use std::str::FromStr;
 
 use clap::Args;
 use flipmap::output::read_gradient;
-use flipmap::scene::palette::Palette;
-use flipmap::scene::{Document, PictureTable, Sampling, Scale};
+use flipmap_scene::palette::Palette;
+use flipmap_scene::{Document, PictureTable, Sampling, Scale};
 
 use super::exit::Exit;
 use super::options::{number, set};

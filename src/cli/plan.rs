@@ -9,8 +9,8 @@ use flipmap::engine::run_settings::RunSpec;
 use flipmap::farm::merge::{self, MergeError};
 use flipmap::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
 use flipmap::output::{Paths, read_text, shell_word};
-use flipmap::scene::film::FilmKind;
-use flipmap::scene::{Document, Sampling};
+use flipmap_scene::film::FilmKind;
+use flipmap_scene::{Document, Sampling};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;

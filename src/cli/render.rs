@@ -12,8 +12,8 @@ use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::trust::{Opinion, Outlook};
 use flipmap::engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
 use flipmap::output::{PictureRecipe, RenderError, RenderedPicture, Watch};
-use flipmap::scene::{Document, Grid, Sampling, Scene};
 use flipmap::tiles::{self, Counts, Renderer, SavedPixels};
+use flipmap_scene::{Document, Grid, Sampling, Scene};
 
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};

@@ -4,8 +4,8 @@ use clap::{Args, ValueEnum};
 use flipmap::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
 use flipmap::engine::run_settings::RunSpec;
 use flipmap::engine::{EngineKind, GpuTuning, IntegratorConfig};
-use flipmap::scene::{Document, PictureTable, RunTable, Scene};
 use flipmap::tiles;
+use flipmap_scene::{Document, PictureTable, RunTable, Scene};
 
 use super::exit::Exit;
 use super::options::set;

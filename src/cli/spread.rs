@@ -2,11 +2,11 @@
 //! over the whole budget would show a single colour.
 
 use flipmap::engine::{Engine, IntegratorConfig};
-use flipmap::scene::palette::equalised;
-use flipmap::scene::{Document, PictureTable};
 use flipmap::tiles::Work;
 use flipmap::tiles::preview::preview;
 use flipmap_pendulum::Status;
+use flipmap_scene::palette::equalised;
+use flipmap_scene::{Document, PictureTable};
 
 use super::exit::Exit;
 use super::stop;

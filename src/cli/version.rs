@@ -1,7 +1,7 @@
 //! `flipmap --version`, and with `--verbose` all that the program is made of and others have a right in.
 
 use flipmap::engine::cpu::instruction_set;
-use flipmap::scene::palette::Palette;
+use flipmap_scene::palette::Palette;
 
 /// The version in one line, or with what it was built for, the program's licence, and the sources and
 /// licences of the colour tables.

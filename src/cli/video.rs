@@ -9,7 +9,7 @@ use flipmap::farm::merge::legend;
 use flipmap::farm::{Plan, PlannedOutput, Task};
 use flipmap::film::ffmpeg::{Codec, arguments};
 use flipmap::output::{Destination, SafeFile, read_text};
-use flipmap::scene::film::{Film, FilmKind};
+use flipmap_scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;

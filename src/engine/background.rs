@@ -311,9 +311,9 @@ mod tests {
     use crate::engine::choice::EngineRequest;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Keep, Method, Precision, Question, Starts};
-    use crate::scene::Build;
     use flipmap_numbers::Dd;
     use flipmap_pendulum::Rule;
+    use flipmap_scene::Build;
 
     fn chosen(engine: MockEngine) -> Result<Chosen, ChoiceError> {
         let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };

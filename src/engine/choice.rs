@@ -12,7 +12,7 @@ use super::threads::threads_beside;
 use super::{
     Accuracy, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck,
 };
-use crate::scene::QuestionTable;
+use flipmap_scene::QuestionTable;
 
 /// A user's request for an engine.
 #[derive(Clone, Debug, PartialEq)]
@@ -340,7 +340,7 @@ pub fn open_checked(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::question::Ask;
+    use flipmap_scene::question::Ask;
 
     #[test]
     fn a_card_answers_in_a_precision_that_can() {

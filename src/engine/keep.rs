@@ -3,7 +3,7 @@
 #[cfg(doc)]
 use super::End;
 use super::{EngineError, IntegratorConfig, Method, Precision};
-use crate::question::Needs;
+use flipmap_scene::question::Needs;
 
 /// A selection of the pendulums' states that a job returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

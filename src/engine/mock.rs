@@ -9,9 +9,9 @@ use super::{
     Moving, NUMBERS,
 };
 use super::{IntegratorConfig, Onset, Question, Starts, Wait};
-use crate::scene::lattice::side_rad;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::lattice::side_rad;
 
 /// An engine that answers jobs in the order of submission, or in reverse, one per poll.
 pub struct MockEngine {

@@ -45,13 +45,13 @@ pub mod trust;
 
 use std::time::Instant;
 
-use crate::scene::{Build, Scene};
 pub use cells::{Cells, Indistinguishable};
 pub use depth::DepthStats;
 pub use end::End;
 use flipmap_numbers::{Dd, Scalar, Theta};
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
+use flipmap_scene::{Build, Scene};
 pub use gpu::{GpuStats, GpuTuning};
 pub use integrator_state::{Carried, IntegratorState, NUMBERS};
 pub use keep::{Ends, Keep};

@@ -208,8 +208,8 @@ const MOST_STEPS: u32 = 1 << 30;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Build;
     use flipmap_pendulum::Rule;
+    use flipmap_scene::Build;
 
     fn question(budget_secs: f64) -> Question {
         Question { build: Build::default(), rule: Rule::Second, budget_secs, passes: 1 }

@@ -20,9 +20,9 @@ use super::{
     Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Precision,
     Question, Starts, Wait,
 };
-use crate::scene::{Fate, Grid, Scene};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status, oracle};
+use flipmap_scene::{Fate, Grid, Scene};
 
 /// A measurement of this machine's engines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

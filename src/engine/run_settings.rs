@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use super::choice::IntegrationSetting;
 use super::{Accuracy, IntegratorConfig, Method, Precision};
-use crate::scene::RunTable;
+use flipmap_scene::RunTable;
 
 /// Words that contradict each other or mean nothing, with a sentence that names the setting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

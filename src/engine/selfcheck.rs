@@ -16,9 +16,9 @@ use super::level::FINEST;
 use super::{
     Engine, EngineError, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, Wait,
 };
-use crate::scene::Build;
 use flipmap_numbers::{Dd, Real};
 use flipmap_pendulum::{Outcome, Rule, oracle};
+use flipmap_scene::Build;
 
 /// One check of a device, and its result.
 #[derive(Clone, Debug, PartialEq)]

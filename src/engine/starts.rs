@@ -5,13 +5,13 @@ use rayon::prelude::*;
 use super::pace::Pace;
 use super::start::phase_at;
 use super::{IntegratorState, Question};
-use crate::scene::ExactPlane;
-use crate::scene::lattice::Cell;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::Launch;
 use flipmap_pendulum::first_moments::FirstMoments;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::tangents::TangentMap;
+use flipmap_scene::ExactPlane;
+use flipmap_scene::lattice::Cell;
 
 /// The states in which the pendulums of a job begin.
 #[derive(Clone, Debug, PartialEq)]

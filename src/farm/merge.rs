@@ -9,11 +9,11 @@ use super::{PartError, Parts, Task};
 use crate::film::ffmpeg::{Codec, Encoder, FfmpegError};
 use crate::film::{Colours, FlipWindow, FrameError, FramePainter, Frames, Mip};
 use crate::output::{Destination, Legend, OutputError, Paths, RowPainter, SafeFile, Sinks};
-use crate::scene::film::{Film, Shot};
-use crate::scene::palette::{AnswerColours, Tones, equalised};
-use crate::scene::{Document, PictureTable, Sampling, SceneError};
 use crate::tiles::{PlainPixels, Samples};
 use flipmap_pendulum::Status;
+use flipmap_scene::film::{Film, Shot};
+use flipmap_scene::palette::{AnswerColours, Tones, equalised};
+use flipmap_scene::{Document, PictureTable, Sampling, SceneError};
 
 /// Reasons why the parts could not be joined.
 #[derive(Debug, thiserror::Error)]

@@ -33,10 +33,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::output::{Destination, SafeFile, read_plain, sha256};
-use crate::scene::Turn;
-use crate::scene::lattice::Cell;
 use crate::tiles::Samples;
 use crate::tiles::patches::PATCH_SAMPLES;
+use flipmap_scene::Turn;
+use flipmap_scene::lattice::Cell;
 
 /// First bytes of every part; the number is the format's.
 const MAGIC: &[u8] = b"flipmap part 1\n";

@@ -8,8 +8,8 @@ use crate::engine::choice::IntegrationSetting;
 use crate::engine::run_settings::RunSpec;
 use crate::engine::{Engine, EngineKind, IntegratorConfig, run_settings};
 use crate::output::sha256;
-use crate::scene::film::Film;
-use crate::scene::{Document, DocumentError, RunTable, one_line};
+use flipmap_scene::film::Film;
+use flipmap_scene::{Document, DocumentError, RunTable, one_line};
 
 /// The plan format that this program reads and writes.
 const FORMAT: u32 = 1;

@@ -8,10 +8,10 @@ use super::task::{FrameTask, TaskKind, WorkPiece};
 use super::{PartError, PartWriter, Task};
 use crate::engine::{Engine, EngineError};
 use crate::output::RowOrder;
-use crate::scene::lattice::Cell;
 use crate::tiles::moments::Moments;
 use crate::tiles::patch_work::PatchWork;
 use crate::tiles::{Counts, Samples, Work};
+use flipmap_scene::lattice::Cell;
 
 /// Reasons why not everything was computed.
 #[derive(Debug, thiserror::Error)]

@@ -8,12 +8,12 @@ use super::{PartForm, PartForms, Parts, Plan, PlanError, PlannedOutput};
 use crate::engine::IntegratorConfig;
 use crate::film::{FrameGroup, frame_groups};
 use crate::output::sha256;
-use crate::question::Ask;
-use crate::scene::film::{Film, FilmKind, Shot};
-use crate::scene::lattice::Cell;
-use crate::scene::{Build, Document, QuestionTable, Sampling, Scene, View};
 use crate::tiles::moments::Moments;
 use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE, canonical};
+use flipmap_scene::film::{Film, FilmKind, Shot};
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Build, Document, QuestionTable, Sampling, Scene, View};
 
 /// Largest number of patches in a hand, which is dealt to one shard.
 const DEALT: usize = 256;
@@ -362,8 +362,8 @@ mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
-    use crate::scene::keys::{Easing, Key};
     use flipmap_numbers::Decimal;
+    use flipmap_scene::keys::{Easing, Key};
 
     const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };

@@ -2,10 +2,10 @@
 
 use super::WAITING;
 use super::mip::{LOOKS, Light, Looks};
-use crate::scene::film::{Film, Shot};
-use crate::scene::palette::{Rgb, Tones, light_table};
 use crate::tiles::Samples;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::film::{Film, Shot};
+use flipmap_scene::palette::{Rgb, Tones, light_table};
 
 /// Number of steps between the lowest and the highest height.
 pub(super) const HIGHEST: f64 = 65534.0;

@@ -10,7 +10,7 @@ use std::process::{Child, ChildStderr, Command, Stdio};
 use std::thread::JoinHandle;
 
 use crate::output::{Destination, SafeFile};
-use crate::scene::film::Film;
+use flipmap_scene::film::Film;
 
 /// Codec of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

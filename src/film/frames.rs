@@ -15,8 +15,8 @@ use crate::output::{
     Destination, PngError, PngWriter, SafeFile, carries_scene, open_plain, read_plain, read_text,
     sha256,
 };
-use crate::scene::film::{Film, Shot};
-use crate::scene::{Document, location};
+use flipmap_scene::film::{Film, Shot};
+use flipmap_scene::{Document, location};
 
 /// An error that kept a frame from being written.
 #[derive(Debug, thiserror::Error)]
@@ -239,7 +239,7 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), PngError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::keys::Keys;
+    use flipmap_scene::keys::Keys;
 
     #[test]
     fn a_film_made_again_makes_no_frame_and_has_the_same_manifest() {

@@ -6,9 +6,9 @@ use std::io;
 use super::Mip;
 use super::colours::HIGHEST;
 use super::mip::{CellPlace, HEIGHT, Light, SampleLight};
-use crate::scene::lattice::Cell;
-use crate::scene::{Grid, Turn, View};
 use crate::tiles::patches::{PATCH_SIDE, offset_rad, patch_pitch_rad};
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::{Grid, Turn, View};
 
 /// Samples along each side of a patch.
 const SIDE: usize = PATCH_SIDE as usize;

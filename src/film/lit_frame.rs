@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::scene::palette::Relief;
+use flipmap_scene::palette::Relief;
 
 /// Heights of a frame's pixels under light from the side.
 pub(super) struct LitFrame {

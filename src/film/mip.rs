@@ -14,8 +14,8 @@ use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::scene::lattice::Cell;
 use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE};
+use flipmap_scene::lattice::Cell;
 
 /// Linear light of a sample, red, green and blue, and its height: 1 to 65535, or 0 without one.
 pub type SampleLight = [u16; 4];

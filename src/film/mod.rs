@@ -43,10 +43,10 @@ pub use paint::{FramePainter, WAITING};
 use std::sync::Arc;
 
 use self::mip::LOOKS;
-use crate::scene::film::{Film, Shot};
-use crate::scene::lattice::Cell;
-use crate::scene::{Scene, View};
 use crate::tiles::patches::{Sight, patches};
+use flipmap_scene::film::{Film, Shot};
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::{Scene, View};
 
 /// The frames of one pendulum, and the patches from which they are painted.
 #[derive(Clone, Debug)]
@@ -149,12 +149,12 @@ fn different_views(shots: &[Shot]) -> Vec<&Shot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::keys::{Easing, Key};
-    use crate::scene::palette::{Ground, Tones};
-    use crate::scene::{Budget, Document, PictureTable};
     use crate::tiles::Samples;
     use crate::tiles::patches::PATCH_SAMPLES;
     use flipmap_pendulum::{Outcome, Status};
+    use flipmap_scene::keys::{Easing, Key};
+    use flipmap_scene::palette::{Ground, Tones};
+    use flipmap_scene::{Budget, Document, PictureTable};
 
     fn key(secs: f64, width: &str, budget: f64) -> Key {
         let mut scene = Document::default();

@@ -15,10 +15,10 @@ use super::layer::{Layer, UsedLight};
 use super::lit_frame::LitFrame;
 use super::mip::Light;
 use crate::output::{CurveBand, blended};
-use crate::scene::film::Shot;
-use crate::scene::palette::{Ground, Relief, Rgb, encoded};
-use crate::scene::{Grid, PictureTable};
 use crate::tiles::patches::{SLACK, Sight, patch_pitch_rad};
+use flipmap_scene::film::Shot;
+use flipmap_scene::palette::{Ground, Relief, Rgb, encoded};
+use flipmap_scene::{Grid, PictureTable};
 
 /// Colour of starts that have not flipped yet while the clock runs.
 pub const WAITING: Rgb = [0x16, 0x18, 0x1d];
@@ -133,8 +133,8 @@ fn fine_share(sight: &Sight, level: u32) -> f32 {
 mod tests {
     use super::*;
     use crate::film::Looks;
-    use crate::scene::{Sampling, Scene, View};
     use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE, patches};
+    use flipmap_scene::{Sampling, Scene, View};
 
     const SIZE: [u32; 2] = [96, 64];
     const SAMPLES_ALONG: u32 = 2;

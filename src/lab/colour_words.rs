@@ -1,6 +1,6 @@
 //! Colours in plain words, for texts that must be true for any palette.
 
-use crate::scene::palette::Rgb;
+use flipmap_scene::palette::Rgb;
 
 /// Hues in degrees up to which each name holds, in rising order.
 const HUES: [(f64, &str); 9] = [
@@ -50,7 +50,7 @@ pub(super) fn colour_words(rgb: Rgb) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::palette::{Ground, Palette};
+    use flipmap_scene::palette::{Ground, Palette};
 
     #[test]
     fn colours_have_the_names_that_people_give_them() {

@@ -4,9 +4,9 @@ use std::ops::RangeInclusive;
 
 use egui::{Color32, Grid, Slider, SliderClamping, Ui};
 
-use crate::scene::{Build, Kind};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::State;
+use flipmap_scene::{Build, Kind};
 
 /// Shows a named number with a slider in a row of a grid; returns true if it was changed. A typed
 /// value outside the range is clamped to it, and the range is shown.

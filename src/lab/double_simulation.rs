@@ -4,10 +4,10 @@ use egui::Response;
 
 use super::clock::Clock;
 use super::drawing::{FigureCanvas, angle_of, ends, wrapped};
-use crate::scene::{Build, Kind};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::rk4;
 use flipmap_pendulum::{Pendulum, State};
+use flipmap_scene::{Build, Kind};
 
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 960.0;

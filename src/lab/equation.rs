@@ -6,9 +6,9 @@ use egui::{Color32, FontId, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, Widget
 use super::controls::brief;
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{Tint, wrapped};
-use crate::scene::{Build, Kind};
 use flipmap_pendulum::State;
 use flipmap_pendulum::pendulum::Equation;
+use flipmap_scene::{Build, Kind};
 
 /// The five different entries of the equation as formulas: M11, M12, M22, τ1 and τ2. A dot
 /// multiplies, and Δ is θ1 − θ2.

@@ -7,9 +7,9 @@ use super::Figure;
 use super::chart::plain;
 use super::colour_words::colour_words;
 use super::controls::{brief, row};
-use crate::scene::palette::{AnswerColours, Rgb};
-use crate::scene::{Document, Kind, Plane, PlaneKind, QuestionTable, Scene};
 use flipmap_pendulum::{Pendulum, Rule};
+use flipmap_scene::palette::{AnswerColours, Rgb};
+use flipmap_scene::{Document, Kind, Plane, PlaneKind, QuestionTable, Scene};
 
 /// Counts of the map's known pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -193,7 +193,7 @@ pub fn forbidden_share(rule: Rule, pendulum: &Pendulum<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Build;
+    use flipmap_scene::Build;
 
     fn pendulum(kind: Kind) -> Pendulum<f64> {
         Build { kind, ..Build::default() }.pendulum()

@@ -6,9 +6,9 @@ use super::flips::Seen;
 use crate::engine::choice::{ChoiceError, EngineRequest, IntegrationSetting};
 use crate::engine::{Accuracy, EngineKind};
 use crate::output::RowPainter;
-use crate::scene::{BuiltIn, Document, Grid, Scene};
 use crate::tiles::{Renderer, Samples};
 use flipmap_pendulum::Status;
+use flipmap_scene::{BuiltIn, Document, Grid, Scene};
 
 /// A small picture of the whole torus.
 pub struct HomeMap {

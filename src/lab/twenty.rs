@@ -238,8 +238,8 @@ impl LiveFigure for Twenty {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Build;
     use flipmap_pendulum::taylor::Orbit;
+    use flipmap_scene::Build;
 
     #[test]
     fn the_climb_is_that_of_the_tangent_map() {

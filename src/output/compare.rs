@@ -10,7 +10,7 @@ pub use super::comparison::Comparison;
 use super::npy::npy_shape;
 use super::whole_png::check_whole_png;
 use crate::engine::plain_file::open_plain;
-use crate::question::{Ask, Channel, ChannelScale};
+use flipmap_scene::question::{Ask, Channel, ChannelScale};
 
 /// A result that is read row by row, from the top.
 pub struct ResultRows {

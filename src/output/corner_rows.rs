@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::scene::palette::{Tint, channel_of, light_of};
 use crate::tiles::PlainPixels;
+use flipmap_scene::palette::{Tint, channel_of, light_of};
 
 /// Share of a pixel that lies nearer to its middle than to its corners; these share the rest.
 const MIDDLE: f64 = 0.5;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use crate::scene::Grid;
+use flipmap_scene::Grid;
 
 /// A band of rows, with the blocks of pixels that the energy curve may touch.
 pub struct CurveBand {
@@ -52,7 +52,7 @@ impl CurveBand {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Scene, View};
+    use flipmap_scene::{Scene, View};
 
     #[test]
     fn bands_leave_out_no_pixel_of_the_curve() {

@@ -14,9 +14,9 @@ use exr::prelude::{ChannelDescription, Compression, Error, LineOrder, SampleType
 
 use super::npy::number_of;
 use crate::engine::Trust;
-use crate::scene::{Document, QuestionTable};
 use crate::tiles::Samples;
 use flipmap_pendulum::Status;
+use flipmap_scene::{Document, QuestionTable};
 
 /// Contents of a channel of the file.
 #[derive(Clone, Copy)]

@@ -6,7 +6,7 @@ use std::io;
 use super::device::StoppedWriting;
 use super::{Destination, PngError};
 use crate::engine::EngineError;
-use crate::scene::SceneError;
+use flipmap_scene::SceneError;
 
 /// Reasons why a file could not be written.
 #[derive(Debug, thiserror::Error)]

@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::engine::plain_file::read_text;
-use crate::scene::palette::gradient::{ENDINGS, list_text, parse_file};
+use flipmap_scene::palette::gradient::{ENDINGS, list_text, parse_file};
 
 /// Reasons why a gradient file gives no palette.
 #[derive(Debug, thiserror::Error)]

@@ -3,11 +3,11 @@
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 
 use super::paint::{blended, mixed};
-use crate::question::Ask;
-use crate::scene::SceneError;
-use crate::scene::palette::{
+use flipmap_scene::SceneError;
+use flipmap_scene::palette::{
     AnswerColours, BarLabels, FAILED, Ground, LegendTitle, Rgb, Tint, rounded, tint_of,
 };
+use flipmap_scene::question::Ask;
 
 /// The font of all words.
 const FONT: &[u8] = epaint_default_fonts::HACK_REGULAR;
@@ -216,7 +216,7 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{PictureTable, QuestionTable, Scene};
+    use flipmap_scene::{PictureTable, QuestionTable, Scene};
 
     fn legend(ask: Ask, size: [u32; 2]) -> Result<Legend, SceneError> {
         let question = QuestionTable { ask, ..QuestionTable::default() };

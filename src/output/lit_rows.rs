@@ -1,6 +1,6 @@
 //! Rows of samples under light from the side: each waits for the one below it.
 
-use crate::scene::palette::{Relief, Tint, channel_of, light_of};
+use flipmap_scene::palette::{Relief, Tint, channel_of, light_of};
 
 /// Lights the rows of a picture from the top.
 pub(super) struct LitRows {

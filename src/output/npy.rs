@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
-use crate::scene::PictureTable;
 use crate::tiles::Samples;
 use flipmap_pendulum::Status;
+use flipmap_scene::PictureTable;
 
 /// Writes rows of samples as they come.
 pub struct NpyWriter<W: Write> {

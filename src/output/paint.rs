@@ -10,12 +10,12 @@ use super::corner_rows::CornerRows;
 use super::curve::CurveBand;
 use super::legend::Legend;
 use super::lit_rows::LitRows;
-use crate::scene::palette::{
-    AnswerColours, Relief, Rgb, Tint, channel_of, light_of, rounded, tint_of,
-};
-use crate::scene::{Grid, PictureTable, Scene, SceneError};
 use crate::tiles::{PlainPixels, Samples};
 use flipmap_pendulum::Status;
+use flipmap_scene::palette::{
+    AnswerColours, Relief, Rgb, Tint, channel_of, light_of, rounded, tint_of,
+};
+use flipmap_scene::{Grid, PictureTable, Scene, SceneError};
 
 /// Paints bands of a picture from the top.
 pub struct RowPainter {
@@ -209,9 +209,9 @@ fn mean(row: &[Tint], stride: usize, first: usize, along: usize) -> Tint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Sampling;
-    use crate::scene::palette::{Ground, encoded, light};
     use flipmap_pendulum::Outcome;
+    use flipmap_scene::Sampling;
+    use flipmap_scene::palette::{Ground, encoded, light};
 
     fn painter(size: [u32; 2], samples: u32, curve: bool) -> RowPainter {
         let samples = Sampling::Square(samples);

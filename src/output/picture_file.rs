@@ -9,7 +9,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat};
 
 use super::{Destination, PngError, PngWriter, SafeFile};
-use crate::scene::Document;
+use flipmap_scene::Document;
 
 /// JPEG quality, 1 to 100: high, because a map is full of thin filaments.
 const JPEG_QUALITY: u8 = 95;

@@ -3,7 +3,7 @@
 use std::io::{self, BufRead, Seek, Write};
 
 use super::pixel_stream::PixelStream;
-use crate::scene::Document;
+use flipmap_scene::Document;
 
 /// The keyword of the text chunk.
 const KEYWORD: &str = "flipmap";
@@ -33,7 +33,7 @@ pub enum PngError {
     },
     /// A text of ours that is not a scene.
     #[error("has a damaged '{KEYWORD}' text: {0}")]
-    Text(#[from] crate::scene::DocumentError),
+    Text(#[from] flipmap_scene::DocumentError),
 }
 
 /// Writes RGB rows as they come, of eight bits a channel or sixteen. Blocks of rows are compressed on

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::png::{PngError, document_in_png};
 use crate::engine::plain_file::{open_plain, read_text};
-use crate::scene::{BuiltIn, Document, DocumentError};
+use flipmap_scene::{BuiltIn, Document, DocumentError};
 
 /// Reasons why a file has no scene.
 #[derive(Debug, thiserror::Error)]

@@ -7,8 +7,8 @@ use super::render::{pass_samples, pass_work, render_pass};
 use super::{OutputError, Paths, RenderClock, RenderError, SinkPass, Sinks};
 use crate::engine::Cells;
 use crate::engine::trust::Opinion;
-use crate::scene::{Document, SceneError};
 use crate::tiles::{Counts, Renderer, SavedPixels, check_feasible};
+use flipmap_scene::{Document, SceneError};
 
 /// Progress and cancellation of a long computation.
 pub trait Watch: Sync {

@@ -15,9 +15,9 @@ use std::time::{Duration, Instant};
 use super::failure::{OutputError, RenderError};
 use super::{RowOrder, SinkPass, Sinks};
 use crate::engine::{Cells, Engine};
-use crate::scene::palette::AnswerColours;
-use crate::scene::{Document, Sampling};
 use crate::tiles::{Counts, PlainPixels, Renderer, Samples, Work};
+use flipmap_scene::palette::AnswerColours;
+use flipmap_scene::{Document, Sampling};
 
 /// Time spent on a render.
 #[derive(Clone, Copy, Debug, Default)]
@@ -165,7 +165,7 @@ mod tests {
     use crate::engine::mock::MockEngine;
     use crate::engine::{IntegratorConfig, Method, Precision};
     use crate::output::Paths;
-    use crate::scene::Document;
+    use flipmap_scene::Document;
 
     const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };

@@ -13,9 +13,9 @@ use super::{
     Destination, ExrWriter, NpyWriter, PictureFile, PngError, Pyramid, PyramidFolder, RowPainter,
     SafeFile, Spool, trust_colours,
 };
-use crate::scene::palette::{Tint, rounded_channel};
-use crate::scene::{Document, PictureTable, Sampling, Shown};
 use crate::tiles::{PlainPixels, Samples};
+use flipmap_scene::palette::{Tint, rounded_channel};
+use flipmap_scene::{Document, PictureTable, Sampling, Shown};
 
 /// Paths of the outputs, by setting.
 #[derive(Clone, Debug, Default)]

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::engine::EngineKind;
-use crate::scene::{Document, Word};
 use crate::tiles::SavedPixels;
+use flipmap_scene::{Document, Word};
 
 /// First bytes of every state file; the number is the format's.
 const MAGIC: &str = "flipmap state 2\n";
@@ -214,7 +214,7 @@ mod tests {
         state.check_scene(&later).unwrap();
         type Change = fn(&mut Document);
         let changes: [(&str, Change); 7] = [
-            ("question", |document| document.question.ask = crate::question::Ask::First),
+            ("question", |document| document.question.ask = flipmap_scene::question::Ask::First),
             ("number of flips", |document| document.question.count = 2),
             ("pendulum", |document| document.pendulum.gravity = 1.0.into()),
             ("rule", |document| document.question.rule = flipmap_pendulum::Rule::First),

@@ -2,13 +2,13 @@
 //! double-double.
 
 use super::trace_channels::TraceChannels;
-use crate::scene::{Scene, in_rad};
 use flipmap_numbers::{Dd, Scalar, Theta};
 use flipmap_pendulum::first_moments::FirstPass;
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::passes::{Pass, passes_in};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};
 use flipmap_pendulum::{Pendulum, Rule, State};
+use flipmap_scene::{Scene, in_rad};
 
 /// The numbers of a motion are no longer finite: it is too fast for its pendulum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -31,7 +31,7 @@ pub enum Advance {
 /// ```
 /// use flipmap::output::{Advance, Trace, launch_from_text};
 /// use flipmap_numbers::Dd;
-/// use flipmap::scene::Scene;
+/// use flipmap_scene::Scene;
 ///
 /// let start = launch_from_text("3,3").unwrap();
 /// let mut trace = Trace::new(&Scene::default(), start, [2.0, 0.5].map(Dd::new));

@@ -2,14 +2,14 @@
 
 use super::nearest_return::ReturnSearch;
 use crate::engine::start::whole_turns;
-use crate::question::{Followed, Needs, TraceColumns};
-use crate::scene::{QuestionTable, Scene};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::passes::Pass;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::taylor::TaylorStep;
 use flipmap_pendulum::{Pendulum, State};
+use flipmap_scene::question::{Followed, Needs, TraceColumns};
+use flipmap_scene::{QuestionTable, Scene};
 
 /// A question's findings about a pendulum so far.
 pub(super) struct TraceChannels {

@@ -1,9 +1,9 @@
 //! A picture of how sure each pixel is.
 
 use crate::engine::Trust;
-use crate::scene::palette::{Ground, Rgb};
 use crate::tiles::Samples;
 use flipmap_pendulum::Status;
+use flipmap_scene::palette::{Ground, Rgb};
 
 /// Colours by trust: dark for what a cheap check confirmed, brighter for what took more, red for
 /// what stays open. The order holds in grey too.

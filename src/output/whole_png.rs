@@ -91,7 +91,7 @@ impl PackedPixels {
 mod tests {
     use super::*;
     use crate::output::PngWriter;
-    use crate::scene::Document;
+    use flipmap_scene::Document;
 
     #[test]
     fn every_byte_of_a_picture_is_looked_at() {

@@ -17,11 +17,11 @@ use super::statistics::{Errors, median};
 use super::{ReportError, StopTest, as_words};
 use crate::engine::depth::DepthEngine;
 use crate::engine::{Cells, Effort, Engine, IntegratorConfig};
-use crate::scene::{Scene, View};
 use crate::tiles::preview::preview;
 use crate::tiles::{Samples, Work};
 use flipmap_numbers::{Fixed, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Pendulum, oracle};
+use flipmap_scene::{Scene, View};
 
 /// A view on a filament, found by zooming in from (1.0, 2.0).
 #[derive(Clone, Copy, Debug)]

@@ -17,10 +17,10 @@ use crate::engine::depth::DepthEngine;
 use crate::engine::{Engine, IntegratorConfig};
 use crate::farm::merge::{self, FilmSink, MergeError};
 use crate::farm::{PartError, Parts, Plan, PlanError, PlannedOutput, RunError, Task, run};
-use crate::scene::film::Film;
-use crate::scene::keys::{Easing, Key};
-use crate::scene::{BuiltIn, Document, Sampling};
 use flipmap_numbers::Scalar;
+use flipmap_scene::film::Film;
+use flipmap_scene::keys::{Easing, Key};
+use flipmap_scene::{BuiltIn, Document, Sampling};
 
 /// Scene at which the long film ends.
 const TARGET: &str = "seabed";

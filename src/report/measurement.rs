@@ -9,7 +9,7 @@ use super::questions::measured_questions;
 use super::windows::{self, Window};
 use super::{Backend, plan};
 use crate::engine::IntegratorConfig;
-use crate::question::Ask;
+use flipmap_scene::question::Ask;
 
 /// A part of a report that can be measured by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -8,7 +8,6 @@ use serde::Serialize;
 
 use super::{ReportError, StopTest, as_words};
 use crate::engine::{IntegratorConfig, Method, Precision};
-use crate::scene::Scene;
 use flipmap_numbers::trig::Turning;
 use flipmap_numbers::{Angle, Dd, Scalar};
 use flipmap_pendulum::control::{Control, FIRST, LONGEST};
@@ -17,6 +16,7 @@ use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};
 use flipmap_pendulum::{Pendulum, State, integrator};
+use flipmap_scene::Scene;
 
 /// Seconds after the release at which errors are evaluated.
 pub const TIMES_SECS: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 20.0];

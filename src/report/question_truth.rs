@@ -2,13 +2,13 @@
 //! double-double as it reads an engine's.
 
 use crate::engine::start::whole_turns;
-use crate::question::{Ending, Needs};
-use crate::scene::Scene;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::passes::{Pass, passes_until};
 use flipmap_pendulum::phase::distance;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Accumulators, Outcome, State, Status, tangents};
+use flipmap_scene::Scene;
+use flipmap_scene::question::{Ending, Needs};
 
 /// The channels of the true orbit from a start; `None` if it has no answer.
 pub(super) fn true_answer(scene: &Scene, start: State<Dd>) -> Option<Vec<f64>> {
@@ -122,8 +122,8 @@ fn nearest(scene: &Scene, start: State<Dd>, secs: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::question::Ask;
-    use crate::scene::{Budget, QuestionTable};
+    use flipmap_scene::question::Ask;
+    use flipmap_scene::{Budget, QuestionTable};
 
     fn scene(ask: Ask, secs: f64) -> Scene {
         let question = QuestionTable { ask, budget: Budget::secs(secs), ..Default::default() };

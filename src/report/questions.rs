@@ -13,12 +13,12 @@ use super::question_truth::true_answer;
 use super::statistics::quantile;
 use super::{ReportError, StopTest, as_words};
 use crate::engine::IntegratorConfig;
-use crate::question::{Ask, Judgement};
-use crate::scene::{Budget, Fate, Grid, QuestionTable, Scene};
 use crate::tiles::preview::preview;
 use crate::tiles::{Samples, Work};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{State, Status};
+use flipmap_scene::question::{Ask, Judgement};
+use flipmap_scene::{Budget, Fate, Grid, QuestionTable, Scene};
 
 /// A question, answered by an engine with a config.
 #[derive(Clone, Debug, Serialize)]

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::{ReportError, StopTest};
 use crate::engine::Question;
-use crate::scene::{Fate, Grid, Scene};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, oracle};
+use flipmap_scene::{Fate, Grid, Scene};
 
 /// Pixels along each side of the home map from which the open starts are taken.
 const SIDE: u32 = 1024;

@@ -4,9 +4,9 @@ use super::truth::{finest, oracle_f64};
 use super::{ReportError, StopTest};
 use crate::engine::Question;
 use crate::report::test_set::{open_starts, spread};
-use crate::scene::{Build, Kind, QuestionTable as Asked, Scene, View};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Rule};
+use flipmap_scene::{Build, Kind, QuestionTable as Asked, Scene, View};
 
 /// Pixels along each side of a window from which the open starts are taken.
 const SIDE: u32 = 96;

@@ -19,9 +19,9 @@ use rayon::prelude::*;
 use super::preview::preview;
 use super::{Counts, Renderer, Samples};
 use crate::engine::{Cells, EngineError, Trust};
-use crate::scene::palette::{AnswerColours, Tint};
-use crate::scene::{Sampling, Scene};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::palette::{AnswerColours, Tint};
+use flipmap_scene::{Sampling, Scene};
 
 /// Largest difference of a channel of neighbouring colours, on a scale of 255, that is no edge.
 const EDGE: f32 = 6.0;

@@ -9,8 +9,8 @@ use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
 use super::stride::Stride;
 use crate::engine::IntegratorState;
-use crate::scene::lattice::{Cell, SAMPLES, SIDE};
 use flipmap_pendulum::Status;
+use flipmap_scene::lattice::{Cell, SAMPLES, SIDE};
 
 /// A computed cell.
 #[derive(Clone, Debug)]
@@ -238,7 +238,7 @@ mod tests {
     use super::*;
     use crate::engine::NUMBERS;
 
-    use crate::scene::Turn;
+    use flipmap_scene::Turn;
 
     const SET: SampleSet = SampleSet { physics: 0, refined: false };
 

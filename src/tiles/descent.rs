@@ -10,9 +10,9 @@ use super::bands::Bands;
 use super::preview::preview;
 use super::{Samples, Work};
 use crate::engine::{Engine, EngineError, IntegratorConfig};
-use crate::scene::{Budget, Scene};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::{Budget, Scene};
 
 /// Side in pixels of the small pictures.
 const SIDE: u32 = 32;
@@ -125,7 +125,7 @@ impl Descent {
         let center = scene.view.center_rad();
         let by = offset.map(|by| Theta::from_f64(by * pixel));
         let width = width / FACTOR;
-        if width < crate::scene::LEAST_WIDTH {
+        if width < flipmap_scene::LEAST_WIDTH {
             return None;
         }
         // Twelve digits below the width tell the pixels of any screen apart.
@@ -239,7 +239,7 @@ mod tests {
     use super::*;
     use crate::engine::EngineKind;
     use crate::engine::choice::{Chosen, EngineRequest, choose};
-    use crate::scene::BuiltIn;
+    use flipmap_scene::BuiltIn;
 
     /// Returns a picture of the home scene with a time in s for each pixel.
     fn picture(time: impl Fn(u32, u32) -> f64) -> Samples {

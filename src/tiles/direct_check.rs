@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use super::reader::Reader;
 use crate::engine::trust::{Opinion, direct};
 use crate::engine::{Ends, Question};
-use crate::question::Channel;
-use crate::scene::{Grid, Scene};
 use flipmap_pendulum::Status;
+use flipmap_scene::question::Channel;
+use flipmap_scene::{Grid, Scene};
 
 /// An answer of a pixel, to be compared.
 pub(super) struct Answered {

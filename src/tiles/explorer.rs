@@ -30,7 +30,7 @@ use super::samples::Counts;
 use super::stride::Stride;
 use super::view_target::{Physics, ViewTarget};
 use crate::engine::{DepthStats, Engine, EngineError, Wait};
-use crate::scene::lattice::{Cell, SIDE};
+use flipmap_scene::lattice::{Cell, SIDE};
 
 /// The progress of the newest target.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

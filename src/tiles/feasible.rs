@@ -2,7 +2,7 @@
 
 use crate::engine::pace::Pace;
 use crate::engine::{Cells, EngineError, IntegratorConfig, Question};
-use crate::scene::{Grid, Scene};
+use flipmap_scene::{Grid, Scene};
 
 /// Returns an error if a picture of `size` pixels needs too many steps for its budget, or if its
 /// starts would be one number and cannot be followed as cells.

@@ -17,7 +17,7 @@ use crate::engine::{
     Effort, Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Question,
     Starts, Wait,
 };
-use crate::question::Ask;
+use flipmap_scene::question::Ask;
 
 /// A tile to compute, with the question and the integrator config of its job.
 pub(super) struct NextTile<T> {

@@ -9,8 +9,8 @@ use super::samples::Samples;
 use crate::engine::{
     Engine, EngineError, IntegratorConfig, Keep, Question, StartList, Starts, run_job,
 };
-use crate::scene::film::{Film, FilmKind};
-use crate::scene::{Fate, Grid, Scene};
+use flipmap_scene::film::{Film, FilmKind};
+use flipmap_scene::{Fate, Grid, Scene};
 
 /// The pendulums of a view in motion.
 pub struct Moments {

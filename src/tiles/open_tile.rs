@@ -12,9 +12,9 @@ use super::stride::Stride;
 use crate::engine::{
     Cells, Deep, IntegratorConfig, IntegratorState, Leaf, StartList, Starts, Trust, Upright,
 };
-use crate::scene::lattice::Cell;
-use crate::scene::{ExactPlane, Fate, Grid, Grouped, Scene, UprightGrid};
 use flipmap_pendulum::Outcome;
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::{ExactPlane, Fate, Grid, Grouped, Scene, UprightGrid};
 
 /// A pixel of an earlier run, and the trust of its outcome.
 pub(super) type Known = (SavedPixel, Trust);
@@ -346,7 +346,7 @@ impl Spacing {
 mod tests {
     use super::*;
     use crate::engine::level::BALANCED;
-    use crate::scene::{BuiltIn, View};
+    use flipmap_scene::{BuiltIn, View};
 
     #[test]
     fn an_upright_tile_is_sorted_as_pixel_by_pixel() {

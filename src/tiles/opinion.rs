@@ -9,8 +9,8 @@ use crate::engine::trust::{Opinion, TrustEngine};
 use crate::engine::{
     Cells, Engine, EngineError, IntegratorConfig, Keep, Question, Starts, Trust, run_job,
 };
-use crate::scene::{Grid, Scene};
 use flipmap_pendulum::Status;
+use flipmap_scene::{Grid, Scene};
 
 /// Maximum number of pixels that are integrated directly.
 const MOST: usize = 8;
@@ -104,8 +104,8 @@ mod tests {
     use crate::engine::depth::DepthEngine;
     use crate::engine::depth::sabotage::Sabotage;
     use crate::engine::level::BALANCED;
-    use crate::question::Ask;
-    use crate::scene::{Budget, QuestionTable, View};
+    use flipmap_scene::question::Ask;
+    use flipmap_scene::{Budget, QuestionTable, View};
 
     const SIZE: [u32; 2] = [32, 32];
 

@@ -12,7 +12,7 @@ use std::collections::HashSet;
 use super::explorer::MOST_CELLS;
 use super::stride::Stride;
 use super::view_target::ViewTarget;
-use crate::scene::lattice::{Cell, pitch_rad};
+use flipmap_scene::lattice::{Cell, pitch_rad};
 
 /// Number of levels from the target's to that of the cells which reach beyond the view.
 const AROUND_LEVELS: u32 = 3;
@@ -98,8 +98,8 @@ pub(super) fn leaf_pixels(finest: u32, target_level: u32, level: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::lattice::SIDE;
     use flipmap_numbers::{Scalar, Theta};
+    use flipmap_scene::lattice::SIDE;
 
     #[test]
     fn finer_levels_have_the_same_leaves() {

@@ -5,8 +5,8 @@ use super::open_tile::OpenTile;
 use super::reader::Reader;
 use crate::engine::trust::{Opinion, Outlook};
 use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Question};
-use crate::scene::{Grid, Scene};
 use flipmap_pendulum::Status;
+use flipmap_scene::{Grid, Scene};
 
 /// Number of pixels in the sample.
 const SAMPLE: u32 = 256;

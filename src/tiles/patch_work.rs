@@ -9,9 +9,9 @@ use super::patches::{PATCH_SAMPLES, PATCH_SIDE};
 use super::samples::{Counts, Samples};
 use super::stride::Stride;
 use crate::engine::{Engine, EngineError, IntegratorConfig, Question, Wait};
-use crate::question::Ask;
-use crate::scene::Scene;
-use crate::scene::lattice::Cell;
+use flipmap_scene::Scene;
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::question::Ask;
 
 /// Maximum number of patches in a job.
 const MOST_IN_JOB: usize = 1024;
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
-    use crate::scene::Fate;
+    use flipmap_scene::Fate;
 
     const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };

@@ -6,8 +6,8 @@
 
 use std::collections::HashSet;
 
-use crate::scene::lattice::{Cell, DEEPEST, side_rad};
-use crate::scene::{Grid, Scene, Turn};
+use flipmap_scene::lattice::{Cell, DEEPEST, side_rad};
+use flipmap_scene::{Grid, Scene, Turn};
 
 /// Samples along each side of a patch.
 pub const PATCH_SIDE: u32 = 16;
@@ -125,9 +125,9 @@ pub fn canonical(patches: &[Cell]) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::View;
     use flipmap_numbers::Scalar;
     use flipmap_numbers::Theta;
+    use flipmap_scene::View;
 
     fn scene(center: [f64; 2], width: f64) -> Scene {
         let center = center.map(|angle| angle.to_string());

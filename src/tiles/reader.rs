@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::Samples;
 use crate::engine::{End, Ends, JobResult, Question};
-use crate::question::{Ask, Ending, MOST_CHANNELS, Needs};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::transport::{transported, turns_between};
 use flipmap_pendulum::{Outcome, Pendulum, Status};
+use flipmap_scene::question::{Ask, Ending, MOST_CHANNELS, Needs};
 
 /// A reader of the answers to one question about one pendulum.
 #[derive(Clone, Copy, Debug)]

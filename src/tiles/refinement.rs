@@ -23,8 +23,8 @@ use super::open_tile::Known;
 use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
 use super::view_target::ViewTarget;
-use crate::scene::lattice::{Cell, DEEPEST, SIDE};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::lattice::{Cell, DEEPEST, SIDE};
 
 /// Something about the quarters of a cell, row by row from the upper left.
 pub(super) type Quarters = [bool; 4];
@@ -165,7 +165,7 @@ impl Coarser {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::lattice::SAMPLES;
+    use flipmap_scene::lattice::SAMPLES;
 
     /// A cell whose samples flip at these times; those with a negative one do not.
     fn cell(time: impl Fn(f64, f64) -> f64) -> Samples {

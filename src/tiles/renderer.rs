@@ -6,14 +6,14 @@ use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, choose};
 use crate::engine::threads::threads_beside;
 use crate::engine::trust::{Opinion, TrustEngine};
 use crate::engine::{Cells, Engine, EngineError, IntegratorConfig};
-use crate::scene::{Sampling, Scene};
+use flipmap_scene::{Sampling, Scene};
 
 /// Renders scenes to arrays of samples, one engine for all of them.
 ///
 /// ```
 /// use flipmap::engine::choice::EngineRequest;
 /// use flipmap::engine::EngineKind;
-/// use flipmap::scene::Scene;
+/// use flipmap_scene::Scene;
 /// use flipmap::tiles::Renderer;
 ///
 /// let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };

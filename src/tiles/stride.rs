@@ -70,7 +70,7 @@ impl Stride {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::lattice::SIDE;
+    use flipmap_scene::lattice::SIDE;
 
     #[test]
     fn every_pass_has_the_samples_of_the_one_before() {

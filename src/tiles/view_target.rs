@@ -1,8 +1,8 @@
 //! The target of a window: the physics and the part of the plane in view.
 
 use crate::engine::{IntegratorConfig, Question};
-use crate::scene::lattice::Region;
-use crate::scene::{Budget, Build, Plane, QuestionTable, Scene};
+use flipmap_scene::lattice::Region;
+use flipmap_scene::{Budget, Build, Plane, QuestionTable, Scene};
 
 /// All that decides a pixel's answer, except the start and the budget of a search for a flip.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,9 +13,9 @@ use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
 use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Question, Trust, Wait};
-use crate::question::Ask;
-use crate::scene::{Grid, Sampling, Scene};
 use flipmap_pendulum::Status;
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Grid, Sampling, Scene};
 
 /// A tile and the samples of its pixels, in the order of [`Tile::pixels`].
 #[derive(Clone, Debug, PartialEq)]
@@ -306,7 +306,7 @@ mod tests {
     use super::*;
     use crate::engine::mock::MockEngine;
     use crate::engine::{Method, Precision};
-    use crate::scene::{Fate, View};
+    use flipmap_scene::{Fate, View};
 
     const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };

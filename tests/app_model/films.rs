@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use flipmap::app::film_run::FilmOrder;
-use flipmap::scene::keys::Keys;
+use flipmap_scene::keys::Keys;
 
 use super::*;
 

@@ -25,9 +25,9 @@ use flipmap::app::settings::{EdgeSamples, Theme};
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::lab::Figure;
-use flipmap::scene::{BuiltIn, Document, RunTable, location};
 use flipmap::tiles::Counts;
 use flipmap_numbers::Scalar;
+use flipmap_scene::{BuiltIn, Document, RunTable, location};
 
 type Desktop = Harness<'static, AppModel>;
 

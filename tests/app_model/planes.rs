@@ -6,8 +6,8 @@ use flipmap::app::folders::Folders;
 use flipmap::app::model::AppModel;
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap::engine::{Accuracy, EngineKind, IntegratorConfig, Method, Precision};
-use flipmap::scene::lattice::Cell;
-use flipmap::scene::{Document, RunTable, location};
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::{Document, RunTable, location};
 
 use crate::{counts, home, model, model_of, notices, options, place, press, settle, until};
 

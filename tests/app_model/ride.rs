@@ -7,7 +7,7 @@ use flipmap::app::camera::{Camera, MovePace};
 use flipmap::app::folders::Folders;
 use flipmap::app::model::{AppModel, WindowOptions};
 use flipmap::engine::IntegratorConfig;
-use flipmap::scene::{BuiltIn, Sampling, Scene};
+use flipmap_scene::{BuiltIn, Sampling, Scene};
 
 use super::*;
 
@@ -132,7 +132,7 @@ fn the_bar_of_tools_does_what_its_names_say_and_goes_with_the_panels() {
     // What has to be scrolled to is not told.
     desktop.set_size(egui::vec2(720.0, 2600.0));
     desktop.run_steps(5);
-    for ask in flipmap::question::Ask::ALL {
+    for ask in flipmap_scene::question::Ask::ALL {
         assert!(desktop.query_by_label(ask.kind().about).is_some(), "{}", ask.kind().name);
     }
     press(&mut desktop, Modifiers::NONE, Key::Escape);

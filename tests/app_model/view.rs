@@ -51,7 +51,7 @@ fn the_map_is_played_paused_scrubbed_and_shown_whole_again() {
 fn other_answers_than_times_have_no_clock() {
     let mut document = Document::default();
     document.question.ask = "growth".parse().unwrap();
-    document.question.budget = flipmap::scene::Budget::secs(2.0);
+    document.question.budget = flipmap_scene::Budget::secs(2.0);
     let mut options = options(Folders::none(), Some(document));
     options.run = Some(RunTable { accuracy: Some("balanced".into()), ..RunTable::default() });
     let mut desktop = model_of(&options);

@@ -1,7 +1,7 @@
 //! New tiles appear gradually over those that stood in for them.
 
-use flipmap::scene::palette::Rgb;
 use flipmap::tiles::explorer::Explorer;
+use flipmap_scene::palette::Rgb;
 
 use crate::doubtful::Doubtful;
 use crate::offscreen::{Paint, Studio};

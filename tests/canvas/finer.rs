@@ -1,12 +1,12 @@
 //! Finer samples at edges: a pixel has the mean light of all of them.
 
-use flipmap::scene::lattice::pitch_rad;
-use flipmap::scene::palette::{Rgb, Tones, light};
-use flipmap::scene::{Grid, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::ViewTarget;
 use flipmap_numbers::Dd;
+use flipmap_scene::lattice::pitch_rad;
+use flipmap_scene::palette::{Rgb, Tones, light};
+use flipmap_scene::{Grid, Scene};
 
 use crate::doubtful::Doubtful;
 use crate::offscreen::{Paint, SIZE, Studio};

@@ -21,16 +21,16 @@ use flipmap::app::hover::sample_at;
 use flipmap::app::reach::Reach;
 use flipmap::engine::mock::MockEngine;
 use flipmap::engine::{IntegratorConfig, Method, Precision, Question};
-use flipmap::scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
-use flipmap::scene::palette::{FAILED, Ground, Rgb, Tones, equalised, light};
-use flipmap::scene::{
-    Budget, Build, Fate, Grid, PictureTable, QuestionTable as Asked, Scale, Scene,
-};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap_numbers::{Dd, Decimal, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
+use flipmap_scene::palette::{FAILED, Ground, Rgb, Tones, equalised, light};
+use flipmap_scene::{
+    Budget, Build, Fate, Grid, PictureTable, QuestionTable as Asked, Scale, Scene,
+};
 use glam::DVec2;
 use offscreen::{Paint, SIZE, Studio};
 

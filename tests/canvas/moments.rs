@@ -1,8 +1,8 @@
 //! The map by a clock: flips up to a moment.
 
-use flipmap::scene::palette::{Ground, Rgb, Tones};
-use flipmap::scene::{PictureTable, Scene};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::palette::{Ground, Rgb, Tones};
+use flipmap_scene::{PictureTable, Scene};
 
 use crate::offscreen::{Paint, SIZE, Studio};
 use crate::{LEVEL, PLAIN, corner_beside, explored, outcome, painted, pictures, share_of, wrong};

@@ -5,8 +5,8 @@ use flipmap::app::canvas::colours::{CardColours, colours};
 use flipmap::app::canvas::pipeline::Canvas;
 use flipmap::app::canvas::{LAYERS, MapRenderer};
 use flipmap::engine::gpu::device::Gpu;
-use flipmap::scene::{PictureTable, Scene};
 use flipmap::tiles::explorer::Explorer;
+use flipmap_scene::{PictureTable, Scene};
 
 use crate::common::gpu_engine;
 

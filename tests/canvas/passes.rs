@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use flipmap::app::hover::known_at;
-use flipmap::scene::PictureTable;
-use flipmap::scene::lattice::Cell;
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_scene::PictureTable;
+use flipmap_scene::lattice::Cell;
 use glam::DVec2;
 
 use crate::doubtful::Doubtful;

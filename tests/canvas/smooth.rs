@@ -7,15 +7,15 @@ use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::BALANCED;
 use flipmap::engine::{Engine, IntegratorConfig};
 use flipmap::output::{RowOrder, RowPainter};
-use flipmap::scene::lattice::{Cell, pitch_rad, side_rad};
-use flipmap::scene::palette::equalised;
-use flipmap::scene::{BuiltIn, PictureTable, Scene};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap::tiles::{Samples, Work};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
+use flipmap_scene::lattice::{Cell, pitch_rad, side_rad};
+use flipmap_scene::palette::equalised;
+use flipmap_scene::{BuiltIn, PictureTable, Scene};
 
 use crate::offscreen::{Paint, SIZE, Studio};
 use crate::{PLAIN, beyond};

@@ -7,9 +7,9 @@ use std::path::Path;
 use crate::program::{done, refused};
 use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap::engine::{Accuracy, EngineKind};
-use flipmap::scene::palette::{AnswerColours, Tint, encoded, light, rounded};
-use flipmap::scene::{BuiltIn, Document, Scene};
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_scene::palette::{AnswerColours, Tint, encoded, light, rounded};
+use flipmap_scene::{BuiltIn, Document, Scene};
 use tempfile::TempDir;
 
 fn folder() -> TempDir {

@@ -8,9 +8,9 @@ use flipmap::engine::{
     Engine, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Question, Starts, Wait,
 };
 use flipmap::report::baseline;
-use flipmap::scene::{Fate, Grid, Scene};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status, oracle};
+use flipmap_scene::{Fate, Grid, Scene};
 use rayon::prelude::*;
 
 /// The configuration of the lesson: RK4 at 120 steps a second.

@@ -13,11 +13,11 @@ use flipmap::engine::{
     Cells, Deep, Engine, IntegratorConfig, Job, Keep, Leaf, Precision, Question, Starts, Trust,
     Wait,
 };
-use flipmap::scene::lattice::Cell;
-use flipmap::scene::{Budget, ExactPlane, Grid, Kind, Scene, View};
 use flipmap::tiles::{Samples, Work};
 use flipmap_numbers::{Fixed, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status, oracle};
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::{Budget, ExactPlane, Grid, Kind, Scene, View};
 
 /// Views (θ1, θ2, width) with structure, found by following filaments down.
 const PLACES: [(&str, &str, &str); 4] = [

@@ -8,9 +8,9 @@ use flipmap::engine::level::FINEST;
 use flipmap::engine::{
     Accuracy, Engine, IntegratorConfig, Keep, Method, Onset, Precision, Question, Starts, Upright,
 };
-use flipmap::scene::{Budget, Build, Fate, Grid, Kind, QuestionTable as Asked, Scene, View};
 use flipmap_numbers::{Dd, Decimal};
 use flipmap_pendulum::{Outcome, Rule, Status};
+use flipmap_scene::{Budget, Build, Fate, Grid, Kind, QuestionTable as Asked, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 

@@ -8,12 +8,12 @@ use flipmap::engine::level::BALANCED;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Accuracy, Engine, EngineKind, IntegratorConfig, Method, Precision, Trust};
 use flipmap::report::hunt::Hunt;
-use flipmap::scene::{Budget, Build, Grid, Kind as Sort, QuestionTable, Scene, View};
 use flipmap::tiles::preview::preview;
 use flipmap::tiles::{Samples, Work};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::{Outcome, Rule, Status, oracle};
+use flipmap_scene::{Budget, Build, Grid, Kind as Sort, QuestionTable, Scene, View};
 use rayon::prelude::*;
 
 fn points() -> Build {

@@ -9,9 +9,9 @@ use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{
     Accuracy, End, Ends, Engine, Job, JobResult, Keep, Question, Starts, Trust, Wait,
 };
-use flipmap::scene::Scene;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Rule, Status};
+use flipmap_scene::Scene;
 
 needs_adapter! {
     checks:

@@ -13,11 +13,11 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::{Engine, Precision};
 use flipmap::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
 use flipmap::output::{RowOrder, RowPainter};
-use flipmap::scene::{
-    Budget, Build, BuiltIn, Kind, PictureTable, QuestionTable, Sampling, Scene, View,
-};
 use flipmap::tiles::Work;
 use flipmap_pendulum::Rule;
+use flipmap_scene::{
+    Budget, Build, BuiltIn, Kind, PictureTable, QuestionTable, Sampling, Scene, View,
+};
 use image::{Rgb, RgbImage};
 
 const SIZE: [u32; 2] = [120, 96];

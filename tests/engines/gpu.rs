@@ -15,9 +15,9 @@ use flipmap::engine::{
     Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, Keep, Method,
     Precision, Question, Starts, Wait,
 };
-use flipmap::scene::{Build, Scene};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
+use flipmap_scene::{Build, Scene};
 
 /// The `lesson` configurations in both precisions, those of `fast` and `balanced`, and expansions.
 fn configs() -> Vec<IntegratorConfig> {

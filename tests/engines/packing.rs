@@ -6,8 +6,8 @@ use flipmap::engine::{
     Engine, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Method, Precision, Question,
     Starts, Wait,
 };
-use flipmap::scene::Scene;
 use flipmap_pendulum::{Rule, Status};
+use flipmap_scene::Scene;
 
 needs_adapter! {
     checks:

@@ -4,9 +4,9 @@ use crate::common::*;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::trust::TrustEngine;
 use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Starts, Trust};
-use flipmap::scene::{Budget, QuestionTable as Asked, Scene, View};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Pendulum, Status, oracle};
+use flipmap_scene::{Budget, QuestionTable as Asked, Scene, View};
 use rayon::prelude::*;
 
 fn exact() -> TrustEngine<'static> {

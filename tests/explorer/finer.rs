@@ -1,10 +1,10 @@
 //! Finer samples at edges, which come last and only where they show something.
 
 use flipmap::engine::Engine;
-use flipmap::scene::lattice::SAMPLES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::ViewTarget;
 use flipmap_pendulum::Status;
+use flipmap_scene::lattice::SAMPLES;
 
 use super::common::*;
 use super::ledger::Ledger;

@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use flipmap::engine::Engine;
 use flipmap::engine::mock::MockEngine;
-use flipmap::scene::lattice::{Cell, Region, side_rad};
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap::tiles::view_target::ViewTarget;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_scene::lattice::{Cell, Region, side_rad};
 
 use super::common::*;
 use super::ledger::Ledger;

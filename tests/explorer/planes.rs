@@ -3,14 +3,14 @@
 use flipmap::engine::IntegratorConfig;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::BALANCED;
-use flipmap::question::Ask;
-use flipmap::scene::lattice::{Cell, Region, SIDE, side_rad};
-use flipmap::scene::{Budget, Plane, QuestionTable, Scene, View};
 use flipmap::tiles::Work;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
+use flipmap_scene::lattice::{Cell, Region, SIDE, side_rad};
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Budget, Plane, QuestionTable, Scene, View};
 
 use crate::common::ROOMY;
 

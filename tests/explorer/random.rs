@@ -4,11 +4,11 @@ use std::time::Instant;
 
 use flipmap::engine::Engine;
 use flipmap::engine::mock::MockEngine;
-use flipmap::scene::lattice::side_rad;
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::ViewTarget;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_scene::lattice::side_rad;
 use proptest::prelude::*;
 
 use super::common::*;

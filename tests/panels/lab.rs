@@ -5,8 +5,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
 use flipmap::lab::home::home_map;
 use flipmap::lab::{Figure, FigureRequest, Lab, flips};
-use flipmap::scene::{BuiltIn, Document, Kind};
 use flipmap_pendulum::{Rule, State};
+use flipmap_scene::{BuiltIn, Document, Kind};
 
 const SIZE: [f32; 2] = [1100.0, 680.0];
 

@@ -14,8 +14,8 @@ use flipmap::app::pin_start::PinStart;
 use flipmap::app::pins::{PinAction, Pins};
 use flipmap::engine::EngineKind;
 use flipmap::engine::choice::EngineRequest;
-use flipmap::scene::Scene;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_scene::Scene;
 use proptest::prelude::*;
 
 /// A moment of a window: its size in pixels, its scale, and a turn of the wheel at a place in it.

@@ -9,9 +9,9 @@ use flipmap::app::panels::pendulum::{FRAME, pendulum_panel};
 use flipmap::app::pin_start::PinStart;
 use flipmap::app::pins::{PinAction, PinId, Pins};
 use flipmap::engine::Trust;
-use flipmap::scene::{Build, Kind, Scene};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::{Build, Kind, Scene};
 
 /// The panel's state, and all actions it has requested so far.
 struct Shown {

@@ -9,7 +9,7 @@ use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
 use flipmap::engine::EngineKind;
 use flipmap::engine::choice::EngineRequest;
 use flipmap::output::document_in_png;
-use flipmap::scene::{BUILT_IN, BuiltIn, Document, Sampling, Scale};
+use flipmap_scene::{BUILT_IN, BuiltIn, Document, Sampling, Scale};
 
 /// Runs `flipmap render` on the processor for a small, fast picture.
 fn render(folder: &Path, arguments: &[&str]) -> String {

@@ -18,11 +18,11 @@ use flipmap::app::panels::places::{PlaceAction, PlaceForm, Thumbnails, places_pa
 use flipmap::app::panels::scene::scene_panel;
 use flipmap::app::places::Places;
 use flipmap::output::Picture;
-use flipmap::question::Ask;
-use flipmap::scene::{
+use flipmap_pendulum::Rule;
+use flipmap_scene::question::Ask;
+use flipmap_scene::{
     Budget, Build, BuiltIn, Document, Kind, PictureTable, QuestionTable, Sampling, Scale, Scene,
 };
-use flipmap_pendulum::Rule;
 
 /// A panel's state, and all actions it has requested so far.
 struct Shown<S, A> {

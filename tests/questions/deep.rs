@@ -6,13 +6,13 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{IntegratorConfig, Trust};
-use flipmap::question::Ask;
-use flipmap::scene::{Budget, Scene, View};
 use flipmap::tiles::{Renderer, Samples};
 use flipmap_numbers::{Fixed, Scalar, Theta};
 use flipmap_pendulum::State;
 use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::taylor::Orbit;
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Budget, Scene, View};
 use rayon::prelude::*;
 
 use crate::truth::apart;

@@ -4,12 +4,12 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::{BALANCED, FAST, LESSON};
 use flipmap::engine::{IntegratorConfig, Trust};
-use flipmap::question::Ask;
-use flipmap::scene::{Axis, Budget, Plane, PlaneKind, Scene, View};
 use flipmap::tiles::{Renderer, Samples};
 use flipmap_numbers::{Angle, Fixed, Scalar};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Outcome, State, Status, oracle};
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Axis, Budget, Plane, PlaneKind, Scene, View};
 use rayon::prelude::*;
 
 use crate::truth::apart;

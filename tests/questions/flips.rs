@@ -3,11 +3,11 @@
 use flipmap::engine::Precision;
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::question::Ask;
-use flipmap::scene::{Plane, PlaneKind, QuestionTable, Scene};
 use flipmap::tiles::{Renderer, Samples};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Plane, PlaneKind, QuestionTable, Scene};
 use rayon::prelude::*;
 
 use crate::common::{gpu_engine, lesson};

@@ -5,12 +5,12 @@ use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{
     Ends, Engine, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, Trust,
 };
-use flipmap::question::Ask;
-use flipmap::scene::{Plane, PlaneKind, Scene};
 use flipmap::tiles::{Renderer, Samples};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{State, Status};
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Plane, PlaneKind, Scene};
 use rayon::prelude::*;
 
 use crate::common::{gpu_engine, lesson};
@@ -179,7 +179,7 @@ fn checked(scene: &Scene, side: u32) -> (Samples, u64) {
 
 #[test]
 fn a_periodic_orbit_returns_to_its_start_and_others_do_not() {
-    let build = flipmap::scene::Build::new(flipmap::scene::Kind::Points, [1.0; 2], [1.0; 2], 1.0);
+    let build = flipmap_scene::Build::new(flipmap_scene::Kind::Points, [1.0; 2], [1.0; 2], 1.0);
     let orbits = [(-0.5, -1.2448609709185, 3.704_774_545), (0.5, -1.627044959203, 2.564_362_225)];
     for (energy, p2, secs) in orbits {
         let plane = Plane { kind: PlaneKind::Section, energy, ..Plane::default() };

@@ -3,13 +3,13 @@
 use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{Engine, IntegratorConfig, Precision};
-use flipmap::question::Ask;
-use flipmap::scene::Plane;
 use flipmap::tiles::moments::Moments;
 use flipmap::tiles::{Renderer, Samples};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{State, Status};
+use flipmap_scene::Plane;
+use flipmap_scene::question::Ask;
 
 use crate::common::{gpu_engine, lesson};
 use crate::truth::*;
@@ -186,7 +186,7 @@ fn what_friction_has_brought_to_rest_is_done_on_a_card() {
 #[test]
 fn what_friction_takes_is_what_energy_loses() {
     let friction = [0.2, 0.1].map(Decimal::from);
-    let pendulum = flipmap::scene::Build { friction, ..Default::default() }.pendulum();
+    let pendulum = flipmap_scene::Build { friction, ..Default::default() }.pendulum();
     let [b1, b2] = pendulum.friction.unwrap();
     let begin = State { angle: [2.5, -1.0], speed: [3.0, 8.0] };
     let mut orbit = Orbit::new(pendulum, begin);

@@ -6,14 +6,14 @@ use flipmap::engine::cpu::CpuEngine;
 use flipmap::engine::depth::DepthEngine;
 use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::engine::{Engine, IntegratorConfig, Method, Precision};
-use flipmap::question::Ask;
-use flipmap::scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
 use flipmap::tiles::{Renderer, Samples};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::oracle::flip_within;
 use flipmap_pendulum::passes::{Pass, passes_until};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Launch, Outcome, State, Status};
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
 use rayon::prelude::*;
 
 pub(crate) fn scene(ask: Ask, plane: Plane, width: &str, secs: f64) -> Scene {

@@ -9,7 +9,7 @@ use crate::shader_structs::members;
 use crate::sources::{product_files, rust_files};
 use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
-use flipmap::engine::gpu::kernel::{Design, FILES, selfcheck_text};
+use flipmap::engine::gpu::kernel::{Design, selfcheck_text};
 use flipmap::engine::gpu::pairs::Pairs;
 use flipmap::engine::level::{BALANCED, FAST, LESSON};
 use flipmap::engine::pace::Pace;
@@ -18,15 +18,15 @@ use flipmap::engine::shared::{
 };
 use flipmap::engine::{Ends, IntegratorConfig, Method, Precision, Question, Trust};
 use flipmap::output::sha256;
-use flipmap::scene::lattice::SIDE;
-use flipmap::scene::{Build, Kind};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Rule, Status};
+use flipmap_scene::lattice::SIDE;
+use flipmap_scene::{Build, Kind};
+use flipmap_shaders::{KEPT, KERNEL_PARTS, PICTURE};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// The modules from left to right: a module may use only those before it.
-const ORDER: [&str; 10] =
-    ["question", "scene", "engine", "tiles", "output", "film", "farm", "report", "lab", "app"];
+const ORDER: [&str; 8] = ["engine", "tiles", "output", "film", "farm", "report", "lab", "app"];
 
 /// The top-level names of every `use crate::{…}` in a text.
 fn grouped(text: &str) -> Vec<String> {
@@ -153,20 +153,6 @@ fn every_picture_of_the_pages_is_there_and_made_by_the_gallery() {
         assert!(made(&picture) || is_record, "{picture} is not made by scripts/gallery");
     }
     assert!(!made("docs/other.png") && !made("docs/lab/other.png"), "the test can fail");
-}
-
-#[test]
-fn every_shader_file_is_glued_on_somewhere() {
-    let mut files: Vec<String> = fs::read_dir("shaders")
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
-    let mut known: Vec<&str> = FILES.iter().map(|(name, _)| *name).collect();
-    // The window's own shaders, which are not assembled from parts.
-    known.extend(["picture.wgsl", "kept.wgsl"]);
-    files.sort();
-    known.sort_unstable();
-    assert_eq!(files, known);
 }
 
 fn question(build: Build, rule: Rule, passes: u32) -> Question {
@@ -332,9 +318,8 @@ fn no_shader_file_has_status_codes_of_its_own() {
         .collect();
     assert_eq!(names.len(), 5);
     let own = |text: &str| names.iter().any(|name| text.contains(name.as_str()));
-    for entry in fs::read_dir("shaders").unwrap() {
-        let path = entry.unwrap().path();
-        assert!(!own(&fs::read_to_string(&path).unwrap()), "{}", path.display());
+    for (name, text) in KERNEL_PARTS.iter().chain(&[("picture", PICTURE), ("kept", KEPT)]) {
+        assert!(!own(text), "{name}");
     }
     assert!(own("const FLIPPED: u32 = 1u;"), "the test can fail");
 }

@@ -3,10 +3,10 @@
 use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
 use flipmap::engine::choice::EngineRequest;
 use flipmap::engine::{Accuracy, EngineKind};
-use flipmap::scene::palette::Tones;
-use flipmap::scene::{Document, PictureTable, Sampling, Scene};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::palette::Tones;
+use flipmap_scene::{Document, PictureTable, Sampling, Scene};
 use image::{Rgb, RgbImage};
 
 use super::session::Told;

@@ -13,7 +13,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use display::{LEFT, wait_for};
-use flipmap::scene::{BuiltIn, Scene, location};
+use flipmap_scene::{BuiltIn, Scene, location};
 use image::RgbImage;
 use image::imageops::{crop_imm, flip_horizontal};
 use likeness::{distance_from_smooth, expected, is_right, likeness, picture};

@@ -9,8 +9,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use flipmap::scene::{Scene, location};
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_scene::{Scene, location};
 use image::RgbImage;
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;

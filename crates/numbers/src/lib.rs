@@ -10,9 +10,9 @@
 //! ```
 //! use flipmap_numbers::Dd;
 //!
-//! let third = Dd::from(1.0) / Dd::from(3.0);
-//! let error = third * Dd::from(3.0) - Dd::from(1.0);
-//! assert!(f64::from(error).abs() < 1e-31);
+//! let third = Dd::ONE / Dd::new(3.0);
+//! let error = third * Dd::new(3.0) - Dd::ONE;
+//! assert!(error.hi().abs() < 1e-31);
 //! ```
 
 pub mod dd;

@@ -4,8 +4,8 @@
 
 use super::pipeline::{TABLE_ENTRIES, Uniforms};
 use super::sample::{HEIGHT_STEPS, LOG_BIAS, LOG_STEPS, WordKind};
-use crate::scene::palette::{AnswerColours, FAILED, Lookup, Relief, Rgb, Tones, light};
-use crate::scene::{PictureTable, Scene, SceneError};
+use flipmap_scene::palette::{AnswerColours, FAILED, Lookup, Relief, Rgb, Tones, light};
+use flipmap_scene::{PictureTable, Scene, SceneError};
 
 /// A picture's colours in the form that the card takes.
 #[derive(Clone, Debug, PartialEq)]
@@ -133,9 +133,9 @@ fn linear(colour: Rgb) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scale;
     use crate::tiles::Samples;
     use flipmap_pendulum::Outcome;
+    use flipmap_scene::Scale;
 
     /// Index of the table entry that the shader takes for a time.
     fn entry(colours: &CardColours, secs: f64) -> usize {

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use crate::scene::lattice::Cell;
+use flipmap_scene::lattice::Cell;
 
 /// Time in which a tile appears, s.
 const FADE_SECS: f64 = 0.15;

@@ -1,7 +1,7 @@
 //! The way of the colours from one range of times to another.
 
-use crate::scene::palette::TimeScale;
-use crate::scene::{PictureTable, Scale};
+use flipmap_scene::palette::TimeScale;
+use flipmap_scene::{PictureTable, Scale};
 
 /// Time that the colours take, s.
 const GLIDE_SECS: f64 = 0.3;
@@ -58,7 +58,7 @@ impl Glide {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::palette::Tones;
+    use flipmap_scene::palette::Tones;
 
     #[test]
     fn times_move_gradually_and_from_where_they_are() {

@@ -170,7 +170,7 @@ fn changes(before: Option<&[CellQuads]>, frame: &MapFrame) -> Changes {
 fn pipeline(device: &wgpu::Device, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
     let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("kept picture"),
-        source: wgpu::ShaderSource::Wgsl(include_str!("../../../shaders/kept.wgsl").into()),
+        source: wgpu::ShaderSource::Wgsl(flipmap_shaders::KEPT.into()),
     });
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("kept picture"),

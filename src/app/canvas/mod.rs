@@ -27,9 +27,9 @@ use self::glide::Glide;
 use self::pipeline::{CellQuads, MapFrame, Quad, Upload};
 use self::sample::WordKind;
 use crate::app::camera::Screen;
-use crate::scene::lattice::SIDE;
 use crate::tiles::Stride;
 use crate::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_scene::lattice::SIDE;
 
 /// Number of layers of the atlas: enough for one tile per cell in view.
 pub const LAYERS: u32 = MOST_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;

@@ -13,9 +13,9 @@ use super::kept::{Changes, DrawingSurface, KeptPicture};
 use super::sample::WordKind;
 use crate::app::camera::Screen;
 use crate::engine::shared::status_constants;
-use crate::scene::lattice::SIDE;
-use crate::scene::palette::Relief;
 use crate::tiles::Samples;
+use flipmap_scene::lattice::SIDE;
+use flipmap_scene::palette::Relief;
 
 /// The shader, with the status codes printed from [`flipmap_pendulum::Status`] and the numbers of the
 /// light from the side.
@@ -25,7 +25,7 @@ pub fn shader() -> String {
         Relief::STEEPNESS,
         Relief::EDGE
     );
-    status_constants() + &relief + include_str!("../../../shaders/picture.wgsl")
+    status_constants() + &relief + flipmap_shaders::PICTURE
 }
 
 /// One parallelogram of the map (counterpart in the shader).

@@ -1,9 +1,9 @@
 //! A sample packed into one word, as the atlas holds it (counterpart: shaders/picture.wgsl).
 
 use crate::engine::Trust;
-use crate::scene::palette::{AnswerColours, TimeScale};
 use crate::tiles::Samples;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::palette::{AnswerColours, TimeScale};
 
 /// Offset of the stored logarithms: they count from 2^-32 s (counterpart in the shader).
 pub const LOG_BIAS: f64 = 32.0;
@@ -60,8 +60,8 @@ fn packed(value: f64, trust: Trust, status: Status) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::question::Ask;
-    use crate::scene::{PictureTable, QuestionTable, Scene};
+    use flipmap_scene::question::Ask;
+    use flipmap_scene::{PictureTable, QuestionTable, Scene};
 
     #[test]
     fn another_question_is_painted_before_the_card_sees_it() {

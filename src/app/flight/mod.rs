@@ -122,9 +122,9 @@ mod tests {
     use std::time::{Duration, Instant};
 
     use super::*;
-    use crate::scene::{Build, Scene};
     use flipmap_numbers::Decimal;
     use flipmap_pendulum::{Rule, State, oracle, taylor::Orbit};
+    use flipmap_scene::{Build, Scene};
 
     fn question(rule: Rule, budget_secs: f64) -> Question {
         Question { rule, budget_secs, ..Question::from(&Scene::default()) }

@@ -91,8 +91,8 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Build;
     use flipmap_pendulum::taylor::Orbit;
+    use flipmap_scene::Build;
 
     fn recorded(angle: [f64; 2], until_secs: f64) -> (Orbit<Dd>, Motion) {
         let pendulum = Build::default().pendulum_in::<Dd>();

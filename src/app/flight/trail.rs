@@ -57,10 +57,10 @@ impl Trail {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Build;
     use flipmap_numbers::Dd;
     use flipmap_pendulum::State;
     use flipmap_pendulum::taylor::Orbit;
+    use flipmap_scene::Build;
 
     #[test]
     fn a_trail_kept_from_frame_to_frame_is_the_one_made_at_once() {

@@ -3,8 +3,8 @@
 use egui::{Align2, Color32, Mesh, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::field::plain;
-use crate::question::Ask;
-use crate::scene::palette::{AnswerColours, BarLabels, FAILED, Ground, Rgb};
+use flipmap_scene::palette::{AnswerColours, BarLabels, FAILED, Ground, Rgb};
+use flipmap_scene::question::Ask;
 
 /// Shows all colours with values under them, and those of pixels without an answer.
 pub(super) fn legend(ui: &mut Ui, colours: &AnswerColours, ask: Ask, palette: &str) {

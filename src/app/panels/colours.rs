@@ -7,9 +7,9 @@ use super::field::number;
 use super::ground::grounds;
 use super::stops::stops;
 use crate::app::colour_cycle::{CYCLE_SPEEDS, ColourCycle};
-use crate::question::Ask;
-use crate::scene::palette::{AnswerColours, Palette, Tones};
-use crate::scene::{PictureTable, Scale, Scene};
+use flipmap_scene::palette::{AnswerColours, Palette, Tones};
+use flipmap_scene::question::Ask;
+use flipmap_scene::{PictureTable, Scale, Scene};
 
 /// An action of the user on the colours.
 #[derive(Clone, Debug, PartialEq)]

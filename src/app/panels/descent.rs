@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use crate::scene::Scene;
+use flipmap_scene::Scene;
 
 /// The state shown in the panel.
 #[derive(Clone, Debug, PartialEq)]

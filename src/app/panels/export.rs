@@ -7,7 +7,7 @@ use egui::{Button, ComboBox, Grid, Label, ProgressBar, RichText, TextEdit, Ui};
 use super::field::number;
 use super::sentence::sentence;
 use crate::app::export::ExportStage;
-use crate::scene::{PictureTable, Sampling};
+use flipmap_scene::{PictureTable, Sampling};
 
 /// The next export, as entered in the form.
 #[derive(Clone, Debug, PartialEq, Eq)]

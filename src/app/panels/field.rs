@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use egui::{DragValue, Ui};
 
-use crate::scene::in_rad;
+use flipmap_scene::in_rad;
 
 /// Shows a named number, to be dragged or typed; returns the new one if it has changed. Dragging
 /// changes a value in proportion to its size. An angle, in rad, may be typed in degrees or in parts of

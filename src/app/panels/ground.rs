@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use crate::scene::palette::{Ground, GroundTable, colour_text};
+use flipmap_scene::palette::{Ground, GroundTable, colour_text};
 
 /// Width of a button, so that all three stand in a row.
 const BUTTON_POINTS: f32 = 24.0;

@@ -5,7 +5,7 @@ use egui::{Align2, Key, Label, Modal, RichText, ScrollArea, TextEdit, Ui};
 use crate::app::action::Action;
 use crate::app::commands::{Command, shortcut_text};
 use crate::app::state::Dialog;
-use crate::question::Ask;
+use flipmap_scene::question::Ask;
 
 /// Actions of the pointer and of keys that stand together, for the list of keys.
 pub const POINTER: [(&str, &str); 11] = [

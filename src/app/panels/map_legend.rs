@@ -3,8 +3,8 @@
 use egui::{Align2, Area, Context, Frame, Id, Rect, vec2};
 
 use super::colour_strip::legend;
-use crate::question::Ask;
-use crate::scene::palette::AnswerColours;
+use flipmap_scene::palette::AnswerColours;
+use flipmap_scene::question::Ask;
 
 /// Width of the legend in points, where there is room.
 const WIDTH_POINTS: f32 = 300.0;

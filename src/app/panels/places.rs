@@ -10,7 +10,7 @@ use egui::{
 use crate::app::places::{Bookmark, Places};
 use crate::app::thumbs::thumb;
 use crate::output::Picture;
-use crate::scene::{BUILT_IN, Document};
+use flipmap_scene::{BUILT_IN, Document};
 
 /// The panel's unfinished input: names being typed, and the deletion to be confirmed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use egui::{
 };
 
 use crate::lab::drawing::{CANVAS, FAINT, INK};
-use crate::scene::{Axis, Plane};
+use flipmap_scene::{Axis, Plane};
 
 /// Width and height in points.
 const SIZE: egui::Vec2 = egui::Vec2::new(170.0, 92.0);

@@ -4,10 +4,10 @@ use egui::{ComboBox, Grid, Ui};
 
 use super::field::number;
 use super::plane_diagram::plane_diagram;
-use crate::question::{Ask, Watches};
-use crate::scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
+use flipmap_scene::question::{Ask, Watches};
+use flipmap_scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
 
 /// Range of a mass in kg or a length in m.
 const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;

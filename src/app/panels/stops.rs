@@ -2,8 +2,8 @@
 
 use egui::{Grid, Role, Ui, WidgetInfo};
 
-use crate::scene::palette::gradient::{STOPS, list_text, parse_list};
-use crate::scene::palette::{Palette, Rgb};
+use flipmap_scene::palette::gradient::{STOPS, list_text, parse_list};
+use flipmap_scene::palette::{Palette, Rgb};
 
 /// Number of colours that a copy of a palette begins with.
 const COPIED: u32 = 7;

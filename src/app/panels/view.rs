@@ -5,7 +5,7 @@ use egui::{Grid, Key, TextEdit, Ui};
 use super::sentence::sentence;
 use crate::app::action::{Action, Look};
 use crate::app::camera::Camera;
-use crate::scene::{Axis, View, in_rad};
+use flipmap_scene::{Axis, View, in_rad};
 
 /// Texts that the user has typed but not yet gone to, in the order of the fields.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -7,12 +7,12 @@ use std::sync::{Arc, Mutex};
 use super::domain_splitting::{DomainSplitting, SplitRequest};
 use super::finished_patch::FinishedPatch;
 use super::part::{Branch, BranchState, PlacedStart, SplitNode, SplitPart};
-use crate::scene::lattice::{Cell, side_rad};
 use flipmap_numbers::jet::Jet;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::flow_patch::{FlowPatch, PatchEnd};
 use flipmap_pendulum::reference::{Reference, bits_for, digits_for, reference};
 use flipmap_pendulum::{Pendulum, State};
+use flipmap_scene::lattice::{Cell, side_rad};
 
 /// Number of levels from one level with anchors to the next.
 const EVERY: u32 = 6;

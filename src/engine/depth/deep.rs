@@ -1,10 +1,10 @@
 //! Selections of deep starts, and their exact states.
 
 use crate::engine::{Deep, Ends, Leaf, Question, StartList, Starts};
-use crate::scene::lattice::Cell;
 use flipmap_numbers::{Dd, Scalar, Theta};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::{Launch, State};
+use flipmap_scene::lattice::Cell;
 
 impl Deep {
     /// Selects some of the starts, by their indices among all, in order, and moves them by a share

@@ -32,8 +32,6 @@ use super::finished_patch::{FinishedPatch, PartKey};
 use super::following::Following;
 use super::part::{Branch, BranchState, Cut, PlacedStart, SplitNode, SplitPart};
 use crate::engine::{Deep, Ends, Leaf, Moving, Question};
-use crate::scene::lattice::Cell;
-use crate::scene::{Build, ExactPlane};
 use flipmap_numbers::frame::Frame;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::crossing::FAR;
@@ -41,6 +39,8 @@ use flipmap_pendulum::flow_patch::{Dynamics, FlowPatch, PatchEnd};
 use flipmap_pendulum::opening::{Opening, from_top};
 use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::{Rule, control};
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::{Build, ExactPlane};
 
 /// Largest part of a leaf's states that its polynomials may leave out. Further up, what is left out
 /// grows with the cells that are cut, so the tolerance is halved with every level above the leaves.

@@ -6,8 +6,6 @@ use std::sync::OnceLock;
 use super::part::{SplitNode, SplitPart};
 use super::stats::DepthStats;
 use crate::engine::{End, Moving, Question};
-use crate::scene::ExactPlane;
-use crate::scene::lattice::Cell;
 use flipmap_numbers::jet::Jet;
 use flipmap_pendulum::flow_patch::{
     CurveCoordinates, CurvePoint, Dynamics, FlowPatch, PatchCurve, PatchEnd,
@@ -15,6 +13,8 @@ use flipmap_pendulum::flow_patch::{
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::{Accumulators, Outcome, Status};
+use flipmap_scene::ExactPlane;
+use flipmap_scene::lattice::Cell;
 
 /// The name of a part of an anchor: the same name means the same patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -4,11 +4,11 @@
 use std::sync::Arc;
 
 use super::finished_patch::{FinishedPatch, PartKey};
-use crate::scene::ExactPlane;
-use crate::scene::lattice::Cell;
 use flipmap_numbers::frame::Frame;
 use flipmap_numbers::jet::Jet;
 use flipmap_pendulum::flow_patch::{Dynamics, FlowPatch};
+use flipmap_scene::ExactPlane;
+use flipmap_scene::lattice::Cell;
 
 /// A start of a job.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Start maps that are wrong on purpose, for tests of what judges them.
 
-use crate::scene::lattice::side_rad;
 use flipmap_pendulum::flow_patch::{Dynamics, FlowPatch};
+use flipmap_scene::lattice::side_rad;
 
 /// A mistake in all start maps of an engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

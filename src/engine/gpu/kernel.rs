@@ -27,40 +27,7 @@ use flipmap_pendulum::control::{Control, GROW, LONGEST, SHRINK};
 use flipmap_pendulum::crossing::{FAR, SLACK};
 use flipmap_pendulum::series::ORDER_F64;
 use flipmap_pendulum::{Pendulum, Rule};
-
-/// All shader files by name.
-pub const FILES: [(&str, &str); 30] = [
-    ("shared.wgsl", include_str!("../../../shaders/shared.wgsl")),
-    ("outcome.wgsl", include_str!("../../../shaders/outcome.wgsl")),
-    ("f32.wgsl", include_str!("../../../shaders/f32.wgsl")),
-    ("df32.wgsl", include_str!("../../../shaders/df32.wgsl")),
-    ("f64.wgsl", include_str!("../../../shaders/f64.wgsl")),
-    ("flip.wgsl", include_str!("../../../shaders/flip.wgsl")),
-    ("general.wgsl", include_str!("../../../shaders/general.wgsl")),
-    ("running.wgsl", include_str!("../../../shaders/running.wgsl")),
-    ("suspect.wgsl", include_str!("../../../shaders/suspect.wgsl")),
-    ("fixed.wgsl", include_str!("../../../shaders/fixed.wgsl")),
-    ("fixed_look.wgsl", include_str!("../../../shaders/fixed_look.wgsl")),
-    ("fixed_passes.wgsl", include_str!("../../../shaders/fixed_passes.wgsl")),
-    ("control.wgsl", include_str!("../../../shaders/control.wgsl")),
-    ("carried.wgsl", include_str!("../../../shaders/carried.wgsl")),
-    ("tangents.wgsl", include_str!("../../../shaders/tangents.wgsl")),
-    ("nearest.wgsl", include_str!("../../../shaders/nearest.wgsl")),
-    ("adaptive.wgsl", include_str!("../../../shaders/adaptive.wgsl")),
-    ("look.wgsl", include_str!("../../../shaders/look.wgsl")),
-    ("slice.wgsl", include_str!("../../../shaders/slice.wgsl")),
-    ("stop.wgsl", include_str!("../../../shaders/stop.wgsl")),
-    ("turns.wgsl", include_str!("../../../shaders/turns.wgsl")),
-    ("series.wgsl", include_str!("../../../shaders/series.wgsl")),
-    ("course.wgsl", include_str!("../../../shaders/course.wgsl")),
-    ("series_look.wgsl", include_str!("../../../shaders/series_look.wgsl")),
-    ("series_passes.wgsl", include_str!("../../../shaders/series_passes.wgsl")),
-    ("passes.wgsl", include_str!("../../../shaders/passes.wgsl")),
-    ("begin.wgsl", include_str!("../../../shaders/begin.wgsl")),
-    ("turn.wgsl", include_str!("../../../shaders/turn.wgsl")),
-    ("pack.wgsl", include_str!("../../../shaders/pack.wgsl")),
-    ("selfcheck.wgsl", include_str!("../../../shaders/selfcheck.wgsl")),
-];
+use flipmap_shaders::KERNEL_PARTS;
 
 /// The method by which a kernel steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -373,7 +340,7 @@ fn glue(names: &[&str], values: &impl Serialize) -> String {
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build();
     files.set_syntax(syntax.expect("the ordinary delimiters"));
     files.set_undefined_behavior(UndefinedBehavior::Strict);
-    for (name, text) in FILES {
+    for (name, text) in KERNEL_PARTS {
         files.add_template(name, text).expect("shader files are valid templates");
     }
     names

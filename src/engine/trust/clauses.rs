@@ -5,8 +5,8 @@ use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};
 use crate::engine::level::{BALANCED, FAST};
 use crate::engine::{End, Ends, IntegratorConfig, Method, Precision, Question};
-use crate::scene::Build;
 use flipmap_pendulum::{Accumulators, Outcome, Rule, Status};
+use flipmap_scene::Build;
 
 fn dop853(tolerance: f64) -> IntegratorConfig {
     IntegratorConfig { method: Method::Dop853 { tolerance }, precision: Precision::F64 }

@@ -162,8 +162,8 @@ fn whole_turns<const N: usize>(angle: Fixed<N>) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Build;
     use flipmap_pendulum::flip::right_secs;
+    use flipmap_scene::Build;
 
     fn question(rule: Rule, budget_secs: f64) -> Question {
         Question { build: Build::default(), rule, budget_secs, passes: 1 }

@@ -129,8 +129,8 @@ mod tests {
     use crate::engine::cpu::CpuEngine;
     use crate::engine::level::BALANCED;
     use crate::engine::{Method, Precision};
-    use crate::scene::Build;
     use flipmap_pendulum::Rule;
+    use flipmap_scene::Build;
 
     /// The outlook of starts in a row from one of them.
     fn outlook(from: [f64; 2], budget_secs: f64) -> Outlook {

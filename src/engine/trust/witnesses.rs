@@ -7,10 +7,10 @@ use crate::engine::cpu::CpuEngine;
 use crate::engine::depth::DepthEngine;
 use crate::engine::level::BALANCED;
 use crate::engine::{Deep, Ends, Engine, Job, Keep, Leaf, Question, Starts, run_job};
-use crate::scene::lattice::Cell;
-use crate::scene::{Build, ExactPlane, Kind};
 use flipmap_numbers::{Dd, Scalar, Theta};
 use flipmap_pendulum::Rule;
+use flipmap_scene::lattice::Cell;
+use flipmap_scene::{Build, ExactPlane, Kind};
 
 /// A start at rest, or a place in a leaf; the index of the rung on which it becomes sure; and what moves
 /// it to another one.

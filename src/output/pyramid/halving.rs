@@ -1,8 +1,8 @@
 //! Pictures at half their size: the mean of four pixels in linear light.
 
 use super::RGB;
-use crate::scene::palette::encoded;
-use crate::scene::palette::light_table;
+use flipmap_scene::palette::encoded;
+use flipmap_scene::palette::light_table;
 
 /// Tables for the mean of four channel values: the light of each value as a whole number, and the
 /// value of each sum of four. Fine enough that the two darkest values are twenty steps apart.
@@ -45,7 +45,7 @@ impl Halving {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::palette::light;
+    use flipmap_scene::palette::light;
 
     #[test]
     fn what_is_one_colour_stays_it() {

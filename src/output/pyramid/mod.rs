@@ -19,7 +19,7 @@ pub use folder::PyramidFolder;
 use halving::Halving;
 
 use super::{PngError, PngWriter};
-use crate::scene::Document;
+use flipmap_scene::Document;
 
 /// Pixels along the side of a tile.
 pub const TILE_SIDE: u32 = 256;

@@ -5,11 +5,9 @@ use std::io;
 use minijinja::{Environment, UndefinedBehavior, context};
 
 use super::TILE_SIDE;
-use crate::scene::Document;
+use flipmap_assets::PYRAMID_PAGE;
 use flipmap_numbers::Scalar;
-
-/// The page of the viewer, which needs only the tiles beside it.
-const PAGE: &str = include_str!("../../../assets/pyramid/index.html");
+use flipmap_scene::Document;
 
 /// The text of `map.dzi`: the sizes of the picture and of its tiles.
 pub(super) fn image([width, height]: [u32; 2]) -> String {
@@ -29,7 +27,7 @@ pub(super) fn page([width, height]: [u32; 2], document: &Document) -> io::Result
     pages
         .render_named_str(
             "index.html",
-            PAGE,
+            PYRAMID_PAGE,
             context! {
                 width, height, center,
                 side => TILE_SIDE,

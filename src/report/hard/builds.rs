@@ -2,9 +2,9 @@
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, apart, count, home, oracle_f64};
 use crate::engine::{EngineError, Question};
-use crate::scene::{Build, Kind};
 use flipmap_numbers::{Dd, Decimal};
 use flipmap_pendulum::{Pendulum, Rule, Status};
+use flipmap_scene::{Build, Kind};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {

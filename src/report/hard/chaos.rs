@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use super::tangent::spectrum;
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, TAYLOR, apart, builds, home};
 use crate::engine::{EngineError, Question};
-use crate::scene::{Build, Kind};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Pendulum, Rule, Status};
+use flipmap_scene::{Build, Kind};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {

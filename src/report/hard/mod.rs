@@ -22,9 +22,9 @@ use crate::engine::{
     Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method, Precision,
     Question, Starts, Wait,
 };
-use crate::scene::Build;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Rule, Status};
+use flipmap_scene::Build;
 
 /// A claim and the function that tests it.
 #[derive(Clone, Copy)]

@@ -2,10 +2,10 @@
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of};
 use crate::engine::{Ends, EngineError, Job, Keep, Question, Starts, Wait};
-use crate::scene::{Build, Kind, Plane, PlaneKind};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::passes::{SectionReturn, section_return};
 use flipmap_pendulum::{Accumulators, Launch, Pendulum, Rule, State};
+use flipmap_scene::{Build, Kind, Plane, PlaneKind};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {

@@ -2,9 +2,9 @@
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, LESSON, Of, apart, count};
 use crate::engine::{EngineError, Question};
-use crate::scene::{Fate, Grid, Scene, View};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::{Fate, Grid, Scene, View};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {

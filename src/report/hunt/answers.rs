@@ -4,13 +4,13 @@
 use super::referee::{MotionEnd, Referee};
 use super::start::start;
 use crate::engine::{End, Ends, Question};
-use crate::question::{Ask, MOST_CHANNELS};
-use crate::scene::{PlaneKind, Scene};
 use crate::tiles::reader::Reader;
 use flipmap_numbers::{Angle, Dd, Fixed, Scalar, Theta};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
+use flipmap_scene::question::{Ask, MOST_CHANNELS};
+use flipmap_scene::{PlaneKind, Scene};
 
 /// Function that returns true when the referee should give up.
 pub(super) type GiveUp<'a> = &'a (dyn Fn() -> bool + Sync);
@@ -234,7 +234,7 @@ fn phase_of(pendulum: &Pendulum<Theta>, start: &State<Theta>, unit_secs: Theta) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Budget;
+    use flipmap_scene::Budget;
 
     const SIDE: u32 = 4;
 

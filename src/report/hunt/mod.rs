@@ -23,12 +23,12 @@ use super::{ReportError, StopTest};
 use crate::engine::choice::{Chosen, EngineRequest, choose};
 use crate::engine::plain_file::read_text;
 use crate::engine::{Ends, Engine, EngineError, IntegratorConfig, Trust};
-use crate::question::{Ask, MOST_CHANNELS};
-use crate::scene::{PlaneKind, Scene, View, Word};
 use crate::tiles::preview::preview;
 use crate::tiles::{Samples, Work, check_feasible};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
+use flipmap_scene::question::{Ask, MOST_CHANNELS};
+use flipmap_scene::{PlaneKind, Scene, View, Word};
 
 /// Pixels along each side of a window.
 const SIDE: u32 = 32;

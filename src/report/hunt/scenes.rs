@@ -4,11 +4,11 @@
 
 use super::how::How;
 use crate::engine::{Engine, EngineError, EngineKind, IntegratorConfig};
-use crate::question::Ask;
-use crate::scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
 use crate::tiles::descent::{Descent, DescentStep};
 use flipmap_numbers::{Angle, Decimal, Scalar, Theta};
 use flipmap_pendulum::Rule;
+use flipmap_scene::question::Ask;
+use flipmap_scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
 
 /// Generator of random scenes, the same ones for the same seed.
 pub(super) struct Scenes {

@@ -1,9 +1,9 @@
 //! The starts of a window's pixels, from the scene's decimals: no code is shared with how pictures
 //! compute them, except for the equations of a section.
 
-use crate::scene::{Axis, Plane, PlaneKind, Scene};
 use flipmap_numbers::{Angle, Dd, Scalar, Theta};
 use flipmap_pendulum::State;
+use flipmap_scene::{Axis, Plane, PlaneKind, Scene};
 
 /// The start of a pixel in a window of `side` × `side`, angles in (−π, π] rad and speeds in rad/s; none
 /// where a section has no real solution.

@@ -1,10 +1,10 @@
 //! The samples of a job's cells, added to those of earlier passes.
 
 use super::{Cell, Explorer, FinishedBatch, SampleSet, Stride};
-use crate::scene::lattice::SIDE;
 use crate::tiles::cache::{CachedCell, CellSamples};
 use crate::tiles::samples::Samples;
 use flipmap_pendulum::Status;
+use flipmap_scene::lattice::SIDE;
 
 /// Cells of one job in flight, with the key of their physics, their budget and their samples.
 #[derive(Debug)]

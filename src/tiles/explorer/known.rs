@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::{Explorer, MOST_CELLS, ViewProgress};
-use crate::scene::lattice::Cell;
 use crate::tiles::cache::{CachedCell, SampleSet};
 use crate::tiles::order::{CellPass, Wanted};
 use crate::tiles::refinement::Coarser;
 use crate::tiles::view_target::Physics;
+use flipmap_scene::lattice::Cell;
 
 impl Explorer {
     /// Returns the physics of the cells that are drawn: the previous one's as long as they stand in

@@ -9,8 +9,8 @@ use egui::{
 use super::{CANVAS, FAINT, INK};
 use crate::app::pins::{Pin, Pins};
 use crate::lab::drawing::corner_inside;
-use crate::scene::{Build, Kind};
 use flipmap_pendulum::State;
+use flipmap_scene::{Build, Kind};
 
 /// Number of points per band of equal opacity; few, because lines that meet show a bead.
 const BAND_POINTS: usize = 16;

@@ -3,7 +3,7 @@
 
 use super::time_scale::TimeScale;
 use super::{FAILED, Ground, Palette, Rgb, Tint, rounded};
-use crate::scene::{PictureTable, SceneError};
+use crate::{PictureTable, SceneError};
 use flipmap_pendulum::{Outcome, Status};
 
 /// A map from times to places in a palette.
@@ -175,7 +175,7 @@ pub fn equalised(times: impl Iterator<Item = f64>, steps: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scale;
+    use crate::Scale;
     use proptest::prelude::*;
 
     fn tones(change: impl FnOnce(&mut PictureTable)) -> Tones {

@@ -281,8 +281,8 @@ fn zoomed(from: f64, to: f64, share: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Document;
-    use crate::scene::keys::Easing;
+    use crate::Document;
+    use crate::keys::Easing;
 
     fn key(secs: f64, change: impl FnOnce(&mut Document)) -> Key {
         let mut scene = Document::default();
@@ -394,7 +394,7 @@ mod tests {
     fn keys_that_are_no_film_are_refused_by_name() {
         let refused = |keys| film(keys).check().unwrap_err().to_string();
         assert!(refused(vec![key(0.0, |_| ())]).contains("two keys or more, and this one has 1"));
-        let rods = |scene: &mut Document| scene.pendulum.kind = crate::scene::Kind::Rods;
+        let rods = |scene: &mut Document| scene.pendulum.kind = crate::Kind::Rods;
         assert!(refused(vec![key(0.0, |_| ()), key(1.0, rods)]).contains("key 2 has another kind"));
         let first = |scene: &mut Document| scene.question.rule = flipmap_pendulum::Rule::First;
         assert!(refused(vec![key(0.0, |_| ()), key(1.0, first)]).contains("another rule"));

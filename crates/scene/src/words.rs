@@ -223,7 +223,7 @@ fn pair(text: &str) -> Option<[Decimal; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::BuiltIn;
+    use crate::BuiltIn;
 
     #[test]
     fn words_and_kinds_stand_in_their_places() {

@@ -25,8 +25,8 @@
 //!   and its image have the same samples in reverse order, and only one of the two is ever computed
 //!   ([`Cell::canonical`]). Only the whole torus is its own image.
 
-use crate::scene::leaf_grid::Grouped;
-use crate::scene::{Grid, Scene, Turn};
+use crate::leaf_grid::Grouped;
+use crate::{Grid, Scene, Turn};
 use flipmap_numbers::{Scalar, Theta};
 
 /// Samples along each side of a cell.

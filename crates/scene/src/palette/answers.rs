@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::steps::WholeNumbers;
 use super::{FAILED, Ground, Palette, Rgb, Tint, Tones, rounded, tint_of};
 use crate::question::{ChannelScale, Painted};
-use crate::scene::{PictureTable, Scene, SceneError, Shown};
+use crate::{PictureTable, Scene, SceneError, Shown};
 use flipmap_pendulum::{Pendulum, State, Status};
 
 /// A map from answers to colours.
@@ -187,8 +187,8 @@ fn from_oklab([lightness, a, b]: [f64; 3]) -> Tint {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::QuestionTable;
     use crate::question::Ask;
-    use crate::scene::QuestionTable;
 
     fn colours(ask: Ask, channel: Option<&str>) -> Result<AnswerColours, SceneError> {
         let question = QuestionTable { ask, ..QuestionTable::default() };

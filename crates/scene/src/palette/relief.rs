@@ -1,6 +1,6 @@
 //! Light from the side on a landscape whose height is the time, as far as it is smooth.
 
-use crate::scene::PictureTable;
+use crate::PictureTable;
 
 /// Light on slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -138,7 +138,7 @@ fn digits(value: f64, count: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Budget, PictureTable, QuestionTable, Scene};
+    use crate::{Budget, PictureTable, QuestionTable, Scene};
     use flipmap_pendulum::Status;
 
     #[test]

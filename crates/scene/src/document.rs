@@ -186,7 +186,7 @@ pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
 
 /// A TOML error as one sentence, with its line and column. Keys and values of the file are in plain
 /// quotes: words in backquotes are settings, which the command line calls by its options.
-pub(crate) fn one_line(error: &toml::de::Error, text: &str) -> String {
+pub fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = error.message().replace('\n', ", ").replace('`', "'");
     let Some(span) = error.span() else {
         return message;

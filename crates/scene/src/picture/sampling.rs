@@ -100,7 +100,7 @@ impl Visitor<'_> for NumberOrWord {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::PictureTable;
+    use crate::PictureTable;
 
     fn read(text: &str) -> Result<Sampling, String> {
         let table = toml::from_str::<PictureTable>(text);

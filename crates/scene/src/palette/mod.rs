@@ -16,6 +16,8 @@ pub use relief::Relief;
 pub use time_scale::TimeScale;
 pub use tones::{Lookup, Tones, equalised, rise};
 
+use flipmap_assets::PALETTES;
+
 use super::SceneError;
 
 /// An opaque sRGB colour.
@@ -50,15 +52,6 @@ pub struct Palette {
     table: Vec<Tint>,
 }
 
-const FILES: [(&str, &str); 6] = [
-    ("iris", include_str!("../../../assets/palettes/iris.txt")),
-    ("batlow", include_str!("../../../assets/palettes/batlow.txt")),
-    ("viridis", include_str!("../../../assets/palettes/viridis.txt")),
-    ("magma", include_str!("../../../assets/palettes/magma.txt")),
-    ("cividis", include_str!("../../../assets/palettes/cividis.txt")),
-    ("romao", include_str!("../../../assets/palettes/romao.txt")),
-];
-
 /// Largest difference of a channel between two colours whose seam no eye sees.
 const MOST_SEAM: f32 = 6.0;
 
@@ -68,7 +61,7 @@ pub const FAILED: Rgb = [0xff, 0x00, 0xff];
 impl Palette {
     /// A line about each palette: its name, its source and its licence.
     pub fn notes() -> impl Iterator<Item = String> {
-        FILES.iter().map(|(_, text)| {
+        PALETTES.iter().map(|(_, text)| {
             let lines = text.lines().map_while(|line| line.strip_prefix("# "));
             lines.collect::<Vec<_>>().join(" ")
         })
@@ -89,7 +82,7 @@ impl Palette {
         if name.starts_with('#') {
             return Self::of_list(name);
         }
-        let found = FILES.iter().find(|(known, _)| *known == name);
+        let found = PALETTES.iter().find(|(known, _)| *known == name);
         let (name, text) = found.ok_or_else(|| {
             let range = "the palettes are iris, batlow, viridis, magma, cividis, romao, lists of \
                          colours (#000000,#ff8000,#ffffff) and files .map, .ugr and .gpl";
@@ -126,7 +119,7 @@ impl Palette {
 
     /// The names of all palettes.
     pub fn names() -> impl Iterator<Item = &'static str> {
-        FILES.iter().map(|(name, _)| *name)
+        PALETTES.iter().map(|(name, _)| *name)
     }
 
     /// The colour at `position` in [0, 1], from early to late, mixed from the two nearest entries.

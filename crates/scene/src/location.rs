@@ -94,7 +94,7 @@ fn three_numbers(text: &str) -> Result<Scene, LocationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{BUILT_IN, Budget, Build, Kind, QuestionTable, View};
+    use crate::{BUILT_IN, Budget, Build, Kind, QuestionTable, View};
     use flipmap_pendulum::Rule;
     use proptest::prelude::*;
 

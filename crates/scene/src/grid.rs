@@ -322,7 +322,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{QuestionTable, View};
+    use crate::{QuestionTable, View};
     use flipmap_pendulum::{Outcome, Status};
 
     fn grid(view: View, size: [u32; 2]) -> Grid {

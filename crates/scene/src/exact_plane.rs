@@ -144,7 +144,7 @@ impl ExactPlane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{PlaneKind, Turn};
+    use crate::{PlaneKind, Turn};
     use flipmap_numbers::Dd;
 
     #[test]

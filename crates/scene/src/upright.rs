@@ -79,7 +79,7 @@ impl UprightGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{BuiltIn, Fate, Scene, View};
+    use crate::{BuiltIn, Fate, Scene, View};
     use flipmap_pendulum::Status;
 
     fn upright(grid: &Grid) -> Option<UprightGrid> {

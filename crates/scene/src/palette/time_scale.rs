@@ -1,6 +1,6 @@
 //! The scale of times: where along the range of its colours a time lies.
 
-use crate::scene::Scale;
+use crate::Scale;
 
 /// A map from times to shares of a range.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Palette, Rgb, parse_colour};
-use crate::scene::{PictureTable, SceneError};
+use crate::{PictureTable, SceneError};
 
 /// Colours beside those of a palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
