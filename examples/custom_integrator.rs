@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --example custom_integrator`
 
-use flipmap::engine::Question;
-use flipmap::engine::cpu::{Dop853, EmbeddedPair, outcomes};
+use flipmap_engine::Question;
+use flipmap_engine::cpu::{Dop853, EmbeddedPair, outcomes};
 use flipmap_numbers::{Dd, Real};
 use flipmap_pendulum::embedded::Trial;
 use flipmap_pendulum::flip::right_secs;

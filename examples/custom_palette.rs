@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release --example custom_palette` writes `rainbow.png`.
 
-use flipmap::engine::EngineKind;
-use flipmap::engine::choice::EngineRequest;
 use flipmap::tiles::Renderer;
+use flipmap_engine::EngineKind;
+use flipmap_engine::choice::EngineRequest;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::Scene;
 use image::{Rgb, RgbImage};

@@ -4,12 +4,12 @@
 
 use std::io::Cursor;
 
-use flipmap::engine::Accuracy;
-use flipmap::engine::profile::Profile;
 use flipmap::farm::{PartForm, PartForms, Parts, Plan};
 use flipmap::film::Frames;
 use flipmap::output::compare::{ResultRows, Yardstick, compare};
 use flipmap::output::{RenderState, document_in_png};
+use flipmap_engine::Accuracy;
+use flipmap_engine::profile::Profile;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_scene::keys::Keys;
 use flipmap_scene::palette::gradient::{ENDINGS, list_text, parse_file, parse_list};

@@ -9,8 +9,8 @@
 //! A [`tiles::Renderer`] turns a [`scene::Scene`] into samples: `examples/map_to_array.rs`.
 //!
 //! ```
-//! use flipmap::engine::choice::EngineRequest;
-//! use flipmap::engine::EngineKind;
+//! use flipmap_engine::choice::EngineRequest;
+//! use flipmap_engine::EngineKind;
 //! use flipmap_scene::Document;
 //! use flipmap::tiles::Renderer;
 //!
@@ -61,7 +61,6 @@
 
 #[cfg(feature = "window")]
 pub mod app;
-pub mod engine;
 pub mod farm;
 pub mod film;
 #[cfg(feature = "window")]

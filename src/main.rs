@@ -5,7 +5,7 @@ mod cli;
 
 use std::process::ExitCode;
 
-use flipmap::engine::threads::default_threads;
+use flipmap_engine::threads::default_threads;
 
 fn main() -> ExitCode {
     env_logger::Builder::from_env(

@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use flipmap::engine::EngineKind;
-use flipmap::engine::choice::{ChoiceError, EngineRequest};
-use flipmap::engine::run_settings::RunSpec;
+use flipmap_engine::EngineKind;
+use flipmap_engine::choice::{ChoiceError, EngineRequest};
+use flipmap_engine::run_settings::RunSpec;
 use flipmap::output::number_of;
 use flipmap_scene::question::Channel;
 use flipmap_scene::{PictureTable, RunTable};
@@ -142,9 +142,9 @@ fn choice_error(error: ChoiceError) -> PyErr {
     }
 }
 
-fn failed(error: flipmap::engine::EngineError) -> PyErr {
+fn failed(error: flipmap_engine::EngineError) -> PyErr {
     match error {
-        flipmap::engine::EngineError::Unsupported(why) => value_error(why),
+        flipmap_engine::EngineError::Unsupported(why) => value_error(why),
         other => PyRuntimeError::new_err(other.to_string()),
     }
 }

@@ -4,8 +4,8 @@
 use super::camera::Camera;
 use super::integration::Integration;
 use super::model::AppModel;
-use crate::engine::choice::EngineRequest;
-use crate::engine::{Cells, EngineKind, IntegratorConfig, Precision};
+use flipmap_engine::choice::EngineRequest;
+use flipmap_engine::{Cells, EngineKind, IntegratorConfig, Precision};
 use flipmap_scene::lattice::pitch_rad;
 
 impl AppModel {

@@ -2,7 +2,7 @@
 
 use super::hover::{self, Answer};
 use super::model::AppModel;
-use crate::engine::Trust;
+use flipmap_engine::Trust;
 use flipmap_numbers::Theta;
 use flipmap_pendulum::Outcome;
 

@@ -3,7 +3,7 @@
 use super::hover::Answer;
 use super::map::Hovered;
 use super::reach::Reach;
-use crate::engine::Trust;
+use flipmap_engine::Trust;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
 use flipmap_scene::lattice::pitch_rad;

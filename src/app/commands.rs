@@ -12,8 +12,8 @@ use super::flight::playback::Playback;
 use super::settings::{EdgeSamples, Layers, Theme};
 use super::side_panel::PANELS;
 use super::state::{AppState, Dialog};
-use crate::engine::Accuracy;
 use crate::lab::Figure;
+use flipmap_engine::Accuracy;
 use flipmap_scene::palette::Palette;
 use flipmap_scene::{BUILT_IN, PictureTable};
 

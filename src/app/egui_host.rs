@@ -16,7 +16,7 @@ use winit::window::Window;
 use super::canvas::LAYERS;
 use super::canvas::pipeline::Canvas;
 use super::wake::Woken;
-use crate::engine::gpu::device::is_software;
+use flipmap_engine::gpu::device::is_software;
 
 /// The reason why nothing can be drawn in the window.
 #[derive(Debug, thiserror::Error)]

@@ -8,11 +8,11 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::film_run::{FilmRequest, FilmRunError, film};
-use crate::engine::Cells;
-use crate::engine::choice::{EngineRequest, choose};
-use crate::engine::run_settings::{RunSettingsError, RunSpec};
 use crate::output::{Paths, PictureRecipe, RenderError, Watch, is_one_file, sentence};
 use crate::tiles::Renderer;
+use flipmap_engine::Cells;
+use flipmap_engine::choice::{EngineRequest, choose};
+use flipmap_engine::run_settings::{RunSettingsError, RunSpec};
 use flipmap_scene::{Document, DocumentError, RunTable};
 
 /// The content of an exported file.
@@ -198,15 +198,15 @@ enum Failure {
     #[error(transparent)]
     Words(#[from] RunSettingsError),
     #[error(transparent)]
-    Choice(#[from] crate::engine::choice::ChoiceError),
+    Choice(#[from] flipmap_engine::choice::ChoiceError),
     #[error(transparent)]
     Render(#[from] RenderError),
     #[error(transparent)]
     Film(#[from] FilmRunError),
 }
 
-impl From<crate::engine::EngineError> for Failure {
-    fn from(error: crate::engine::EngineError) -> Self {
+impl From<flipmap_engine::EngineError> for Failure {
+    fn from(error: flipmap_engine::EngineError) -> Self {
         Failure::Render(error.into())
     }
 }
@@ -298,7 +298,7 @@ pub(super) fn thousands(count: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::EngineKind;
+    use flipmap_engine::EngineKind;
     use flipmap_scene::{BuiltIn, location};
 
     fn request(path: PathBuf) -> ExportRequest {

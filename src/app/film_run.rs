@@ -11,7 +11,7 @@ use serde::Deserialize;
 
 use super::compute_service::step_back;
 use super::export::{ExportStage, thousands};
-use crate::engine::choice::EngineRequest;
+use flipmap_engine::choice::EngineRequest;
 
 /// A film to make from a file of keys.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
 //! The sample under the pointer.
 
-use crate::engine::Trust;
 use crate::tiles::Stride;
 use crate::tiles::explorer::Explorer;
+use flipmap_engine::Trust;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::Turn;

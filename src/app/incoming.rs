@@ -5,7 +5,7 @@ use super::camera::Camera;
 use super::history::History;
 use super::reach::Reach;
 use super::state::{AppState, Effect};
-use crate::engine::run_settings::RunSpec;
+use flipmap_engine::run_settings::RunSpec;
 use flipmap_scene::{Document, RunTable, Scene, location};
 
 impl AppState {

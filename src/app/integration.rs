@@ -1,7 +1,7 @@
 //! The way in which the pixels of the window are integrated.
 
-use crate::engine::EngineKind;
-use crate::engine::run_settings::RunSpec;
+use flipmap_engine::EngineKind;
+use flipmap_engine::run_settings::RunSpec;
 
 /// The way in which pixels are integrated, and the engine that is wanted for it.
 #[derive(Clone, Debug, Default, PartialEq)]

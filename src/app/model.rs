@@ -31,10 +31,10 @@ use super::places::Places;
 use super::settings::{Appearance, Loaded, Settings, Store};
 use super::state::{AppState, Effect};
 use super::swing::HoverSwing;
-use crate::engine::choice::EngineRequest;
-use crate::engine::run_settings::RunSpec;
 use crate::lab::{Figure, Lab};
 use crate::tiles::explorer::ViewProgress;
+use flipmap_engine::choice::EngineRequest;
+use flipmap_engine::run_settings::RunSpec;
 use flipmap_scene::{BuiltIn, Document, PictureTable, RunTable};
 
 /// Options for opening a window.

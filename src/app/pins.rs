@@ -4,7 +4,7 @@ use egui::Color32;
 
 use super::flight::{Flight, Playback, Trail};
 use super::pin_start::PinStart;
-use crate::engine::{Question, Trust};
+use flipmap_engine::{Question, Trust};
 use flipmap_pendulum::Outcome;
 use flipmap_scene::{Build, Scene};
 

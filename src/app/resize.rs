@@ -27,7 +27,7 @@ impl AppState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::run_settings::RunSpec;
+    use flipmap_engine::run_settings::RunSpec;
     use flipmap_scene::BuiltIn;
 
     fn state(scene: &str) -> AppState {

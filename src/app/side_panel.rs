@@ -177,7 +177,7 @@ impl AppModel {
         let engine = self.compute.engine();
         let rate = self.meter.rate();
         let cost_us = match self.state.integration.spec.setting {
-            crate::engine::choice::IntegrationSetting::Accuracy(level) if rate > 0.0 => {
+            flipmap_engine::choice::IntegrationSetting::Accuracy(level) if rate > 0.0 => {
                 vec![(level, 1e6 / rate)]
             }
             _ => Vec::new(),

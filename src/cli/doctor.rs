@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 
 use clap::Args;
-use flipmap::engine::choice::{EngineRequest, INSTALL_HINT, choose, open_checked};
-use flipmap::engine::gpu::device::{adapters, describe};
-use flipmap::engine::level::FAST_TO_COMPILE;
-use flipmap::engine::profile::{Profile, TimedPairs};
-use flipmap::engine::selfcheck::Verdict;
+use flipmap_engine::choice::{EngineRequest, INSTALL_HINT, choose, open_checked};
+use flipmap_engine::gpu::device::{adapters, describe};
+use flipmap_engine::level::FAST_TO_COMPILE;
+use flipmap_engine::profile::{Profile, TimedPairs};
+use flipmap_engine::selfcheck::Verdict;
 use serde_json::{Value, json};
 
 use super::option_names::with_options;

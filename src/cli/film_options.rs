@@ -4,8 +4,8 @@ use std::path::Path;
 use std::str::FromStr;
 
 use clap::Args;
-use flipmap::engine::run_settings::RunSpec;
 use flipmap::output::read_text;
+use flipmap_engine::run_settings::RunSpec;
 use flipmap_numbers::Decimal;
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key, Keys};

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::Context;
-use flipmap::engine::choice::EngineRequest;
 use flipmap::report::hunt::{Hunt, WrongPixel};
+use flipmap_engine::choice::EngineRequest;
 
 use super::exit::Exit;
 use super::stop;

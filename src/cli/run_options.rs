@@ -1,10 +1,10 @@
 //! The options that control how a scene is computed, and their conversion into a setting.
 
 use clap::{Args, ValueEnum};
-use flipmap::engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
-use flipmap::engine::run_settings::RunSpec;
-use flipmap::engine::{EngineKind, GpuTuning, IntegratorConfig};
 use flipmap::tiles;
+use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
+use flipmap_engine::run_settings::RunSpec;
+use flipmap_engine::{EngineKind, GpuTuning, IntegratorConfig};
 use flipmap_scene::{Document, PictureTable, RunTable, Scene};
 
 use super::exit::Exit;
@@ -201,7 +201,7 @@ fn range_of_size() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap::engine::{Accuracy, Precision};
+    use flipmap_engine::{Accuracy, Precision};
 
     #[test]
     fn a_picture_remembers_how_it_was_made() {

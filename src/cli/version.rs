@@ -1,6 +1,6 @@
 //! `flipmap --version`, and with `--verbose` all that the program is made of and others have a right in.
 
-use flipmap::engine::cpu::instruction_set;
+use flipmap_engine::cpu::instruction_set;
 use flipmap_scene::palette::Palette;
 
 /// The version in one line, or with what it was built for, the program's licence, and the sources and

@@ -4,10 +4,10 @@ use std::mem::take;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::choice::IntegrationSetting;
-use crate::engine::run_settings::RunSpec;
-use crate::engine::{Engine, EngineKind, IntegratorConfig, run_settings};
 use crate::output::sha256;
+use flipmap_engine::choice::IntegrationSetting;
+use flipmap_engine::run_settings::RunSpec;
+use flipmap_engine::{Engine, EngineKind, IntegratorConfig, run_settings};
 use flipmap_scene::film::Film;
 use flipmap_scene::{Document, DocumentError, RunTable, one_line};
 
@@ -189,8 +189,8 @@ struct Version {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::mock::MockEngine;
-    use crate::engine::{Method, Precision};
+    use flipmap_engine::mock::MockEngine;
+    use flipmap_engine::{Method, Precision};
 
     fn plan() -> Plan {
         let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };

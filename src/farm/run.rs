@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use super::task::{FrameTask, TaskKind, WorkPiece};
 use super::{PartError, PartWriter, Task};
-use crate::engine::{Engine, EngineError};
 use crate::output::RowOrder;
 use crate::tiles::moments::Moments;
 use crate::tiles::patch_work::PatchWork;
 use crate::tiles::{Counts, Samples, Work};
+use flipmap_engine::{Engine, EngineError};
 use flipmap_scene::lattice::Cell;
 
 /// Reasons why not everything was computed.

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::{PartForm, PartForms, Parts, Plan, PlanError, PlannedOutput};
-use crate::engine::IntegratorConfig;
 use crate::film::{FrameGroup, frame_groups};
 use crate::output::sha256;
 use crate::tiles::moments::Moments;
 use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE, canonical};
+use flipmap_engine::IntegratorConfig;
 use flipmap_scene::film::{Film, FilmKind, Shot};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::question::Ask;
@@ -360,8 +360,8 @@ fn what_of(scene: &Scene) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::mock::MockEngine;
-    use crate::engine::{Method, Precision};
+    use flipmap_engine::mock::MockEngine;
+    use flipmap_engine::{Method, Precision};
     use flipmap_numbers::Decimal;
     use flipmap_scene::keys::{Easing, Key};
 

@@ -3,10 +3,10 @@
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
 use super::flips::Seen;
-use crate::engine::choice::{ChoiceError, EngineRequest, IntegrationSetting};
-use crate::engine::{Accuracy, EngineKind};
 use crate::output::RowPainter;
 use crate::tiles::{Renderer, Samples};
+use flipmap_engine::choice::{ChoiceError, EngineRequest, IntegrationSetting};
+use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_pendulum::Status;
 use flipmap_scene::{BuiltIn, Document, Grid, Scene};
 

@@ -4,9 +4,9 @@ use egui::{Context, RawInput, Rect, Theme, Ui, vec2};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 
 use super::Lab;
-use crate::engine::EngineError;
-use crate::engine::choice::INSTALL_HINT;
-use crate::engine::gpu::device::{Gpu, adapters};
+use flipmap_engine::EngineError;
+use flipmap_engine::choice::INSTALL_HINT;
+use flipmap_engine::gpu::device::{Gpu, adapters};
 
 /// A picture in RGB, in rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 pub use super::comparison::Comparison;
 use super::npy::npy_shape;
 use super::whole_png::check_whole_png;
-use crate::engine::plain_file::open_plain;
+use flipmap_engine::plain_file::open_plain;
 use flipmap_scene::question::{Ask, Channel, ChannelScale};
 
 /// A result that is read row by row, from the top.

@@ -13,8 +13,8 @@ use exr::meta::{BlockDescription, MetaData, magic_number};
 use exr::prelude::{ChannelDescription, Compression, Error, LineOrder, SampleType, Text, Vec2};
 
 use super::npy::number_of;
-use crate::engine::Trust;
 use crate::tiles::Samples;
+use flipmap_engine::Trust;
 use flipmap_pendulum::Status;
 use flipmap_scene::{Document, QuestionTable};
 

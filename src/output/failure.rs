@@ -5,7 +5,7 @@ use std::io;
 
 use super::device::StoppedWriting;
 use super::{Destination, PngError};
-use crate::engine::EngineError;
+use flipmap_engine::EngineError;
 use flipmap_scene::SceneError;
 
 /// Reasons why a file could not be written.

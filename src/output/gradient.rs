@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::engine::plain_file::read_text;
+use flipmap_engine::plain_file::read_text;
 use flipmap_scene::palette::gradient::{ENDINGS, list_text, parse_file};
 
 /// Reasons why a gradient file gives no palette.

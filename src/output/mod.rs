@@ -37,12 +37,12 @@ mod trace_channels;
 mod trust;
 mod whole_png;
 
-pub use crate::engine::plain_file::{open_plain, read_plain, read_text};
 pub use curve::CurveBand;
 pub use device::{Device, stop_writing_when};
 pub use digest::sha256;
 pub use exr::ExrWriter;
 pub use failure::{OutputError, RenderError, is_broken_pipe, is_stopped, sentence};
+pub use flipmap_engine::plain_file::{open_plain, read_plain, read_text};
 pub use gradient::{GradientError, read_gradient};
 pub use legend::Legend;
 pub use npy::{NpyWriter, number_of};

@@ -4,7 +4,7 @@ use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 use super::png::{PngError, document_in_png};
-use crate::engine::plain_file::{open_plain, read_text};
+use flipmap_engine::plain_file::{open_plain, read_text};
 use flipmap_scene::{BuiltIn, Document, DocumentError};
 
 /// Reasons why a file has no scene.

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use super::render::{pass_samples, pass_work, render_pass};
 use super::{OutputError, Paths, RenderClock, RenderError, SinkPass, Sinks};
-use crate::engine::Cells;
-use crate::engine::trust::Opinion;
 use crate::tiles::{Counts, Renderer, SavedPixels, check_feasible};
+use flipmap_engine::Cells;
+use flipmap_engine::trust::Opinion;
 use flipmap_scene::{Document, SceneError};
 
 /// Progress and cancellation of a long computation.

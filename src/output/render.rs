@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 
 use super::failure::{OutputError, RenderError};
 use super::{RowOrder, SinkPass, Sinks};
-use crate::engine::{Cells, Engine};
 use crate::tiles::{Counts, PlainPixels, Renderer, Samples, Work};
+use flipmap_engine::{Cells, Engine};
 use flipmap_scene::palette::AnswerColours;
 use flipmap_scene::{Document, Sampling};
 
@@ -162,9 +162,9 @@ fn pass_on(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::mock::MockEngine;
-    use crate::engine::{IntegratorConfig, Method, Precision};
     use crate::output::Paths;
+    use flipmap_engine::mock::MockEngine;
+    use flipmap_engine::{IntegratorConfig, Method, Precision};
     use flipmap_scene::Document;
 
     const CONFIG: IntegratorConfig =

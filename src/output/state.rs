@@ -8,8 +8,8 @@ use std::io::{self, Write};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::engine::EngineKind;
 use crate::tiles::SavedPixels;
+use flipmap_engine::EngineKind;
 use flipmap_scene::{Document, Word};
 
 /// First bytes of every state file; the number is the format's.

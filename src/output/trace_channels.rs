@@ -1,7 +1,7 @@
 //! The columns that a question adds to a trace: its channels so far, at the time of each row.
 
 use super::nearest_return::ReturnSearch;
-use crate::engine::start::whole_turns;
+use flipmap_engine::start::whole_turns;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::passes::Pass;
 use flipmap_pendulum::phase::Phase;

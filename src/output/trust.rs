@@ -1,7 +1,7 @@
 //! A picture of how sure each pixel is.
 
-use crate::engine::Trust;
 use crate::tiles::Samples;
+use flipmap_engine::Trust;
 use flipmap_pendulum::Status;
 use flipmap_scene::palette::{Ground, Rgb};
 

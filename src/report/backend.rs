@@ -1,12 +1,12 @@
 //! The engines that a report measures.
 
 use super::{Refusal, ReportError, StopTest};
-use crate::engine::choice::{ChoiceError, INSTALL_HINT, open_checked};
-use crate::engine::cpu::CpuEngine;
-use crate::engine::gpu::GpuEngine;
-use crate::engine::gpu::device::{adapters, describe};
-use crate::engine::level::FAST_TO_COMPILE;
-use crate::engine::{Engine, EngineError, EngineKind};
+use flipmap_engine::choice::{ChoiceError, INSTALL_HINT, open_checked};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::gpu::GpuEngine;
+use flipmap_engine::gpu::device::{adapters, describe};
+use flipmap_engine::level::FAST_TO_COMPILE;
+use flipmap_engine::{Engine, EngineError, EngineKind};
 
 /// An engine that a report measures.
 pub enum Backend {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::engine::Question;
+use flipmap_engine::Question;
 use flipmap_numbers::Dd;
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::{Outcome, State, Status, flip, integrator};

@@ -11,8 +11,8 @@ use super::test_set::spread;
 use super::truth::{finest, oracle_dd};
 use super::windows::Window;
 use super::{ReportError, as_words, stopwatch};
-use crate::engine::trust::TrustEngine;
-use crate::engine::{Accuracy, IntegratorConfig};
+use flipmap_engine::trust::TrustEngine;
+use flipmap_engine::{Accuracy, IntegratorConfig};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Rule, Status};
 
@@ -159,9 +159,9 @@ fn disagreements(a: &[Outcome], b: &[Outcome]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::cpu::CpuEngine;
     use crate::report::windows::{LATE, WINDOWS};
     use crate::report::{TestSet, Thoroughness, plan};
+    use flipmap_engine::cpu::CpuEngine;
 
     const FEW: Thoroughness = Thoroughness {
         window_starts: 100,

@@ -4,7 +4,7 @@ use super::levels::{rows_at, rows_with};
 use super::pages::{Block, Section, Table, brief, section, share, short};
 use super::plan::{self, BALANCED, BALANCED_DF32};
 use super::{Checks, Flips, Report, Row};
-use crate::engine::Accuracy;
+use flipmap_engine::Accuracy;
 
 /// The chapter on the accuracy levels, or `None` while no level has a row.
 pub(super) fn levels(report: &Report) -> Option<Section> {

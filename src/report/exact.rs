@@ -8,8 +8,8 @@ use super::measure::{Bench, Compared, least_starts_of_exact};
 use super::statistics::{Errors, OutcomePair, bands, is_right};
 use super::truth::oracle_dd;
 use super::{ReportError, Row};
-use crate::engine::trust::TrustEngine;
-use crate::engine::{Accuracy, Engine, EngineError, IntegratorConfig, Trust};
+use flipmap_engine::trust::TrustEngine;
+use flipmap_engine::{Accuracy, Engine, EngineError, IntegratorConfig, Trust};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::Outcome;
 
@@ -178,8 +178,8 @@ fn contradicted(pairs: &[OutcomePair], unchecked: &[Outcome], truth: &[Outcome])
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::cpu::CpuEngine;
     use crate::report::plan;
+    use flipmap_engine::cpu::CpuEngine;
     use flipmap_pendulum::Status;
 
     fn pixel(answer: f64, trust: Trust, unchecked: f64) -> Checked {

@@ -13,10 +13,10 @@ use super::backend::Backend;
 use super::measure::Bench;
 use super::plan::BALANCED;
 use super::{Report, ReportError, as_words};
-use crate::engine::depth::DepthEngine;
-use crate::engine::{Engine, IntegratorConfig};
 use crate::farm::merge::{self, FilmSink, MergeError};
 use crate::farm::{PartError, Parts, Plan, PlanError, PlannedOutput, RunError, Task, run};
+use flipmap_engine::depth::DepthEngine;
+use flipmap_engine::{Engine, IntegratorConfig};
 use flipmap_numbers::Scalar;
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key};
@@ -282,8 +282,8 @@ impl From<PlanError> for ReportError {
 mod tests {
     use super::super::{Thoroughness, fixtures};
     use super::*;
-    use crate::engine::cpu::CpuEngine;
     use crate::report::TestSet;
+    use flipmap_engine::cpu::CpuEngine;
 
     #[test]
     fn the_long_film_takes_as_long_as_its_samples_and_its_frames() {

@@ -2,7 +2,7 @@
 
 use super::depth::UsByWay;
 use super::*;
-use crate::engine::EngineKind;
+use flipmap_engine::EngineKind;
 use flipmap_pendulum::{Outcome, Status};
 
 /// A report with two rows, a refusal by an engine, and one measurement missing.

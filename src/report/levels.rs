@@ -1,7 +1,7 @@
 //! Selection of the report's rows by accuracy level.
 
 use super::{Report, Row};
-use crate::engine::{Accuracy, IntegratorConfig};
+use flipmap_engine::{Accuracy, IntegratorConfig};
 
 /// The rows with a config, one for each engine that has it.
 pub(super) fn rows_with(report: &Report, config: IntegratorConfig) -> Vec<&Row> {

@@ -6,7 +6,7 @@ use super::statistics::{Errors, OutcomePair, bands, median};
 use super::stopwatch::{self, TimedRun};
 use super::test_set::{TestSet, spread};
 use super::{ReportError, Row, Specialising, StopTest, baseline};
-use crate::engine::{Engine, EngineError, IntegratorConfig, Method, Precision};
+use flipmap_engine::{Engine, EngineError, IntegratorConfig, Method, Precision};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::Outcome;
 

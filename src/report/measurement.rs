@@ -8,7 +8,7 @@ use super::hard::{self, HardCase};
 use super::questions::measured_questions;
 use super::windows::{self, Window};
 use super::{Backend, plan};
-use crate::engine::IntegratorConfig;
+use flipmap_engine::IntegratorConfig;
 use flipmap_scene::question::Ask;
 
 /// A part of a report that can be measured by itself.
@@ -211,7 +211,7 @@ impl Subject {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::cpu::CpuEngine;
+    use flipmap_engine::cpu::CpuEngine;
 
     fn names(quick: bool, only: &[Chapter]) -> Vec<String> {
         let backends = [Backend::Cpu(Box::new(CpuEngine::new(Some(1)).unwrap()), 1)];

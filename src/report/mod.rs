@@ -42,8 +42,8 @@ mod windows;
 
 use serde::Serialize;
 
-use crate::engine::choice::ChoiceError;
-use crate::engine::{EngineError, EngineKind, IntegratorConfig};
+use flipmap_engine::choice::ChoiceError;
+use flipmap_engine::{EngineError, EngineKind, IntegratorConfig};
 
 pub use backend::{Backend, BackendFilter};
 pub use beyond::{Flips, LateRow, WindowRow};

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{ReportError, StopTest, as_words};
-use crate::engine::{IntegratorConfig, Method, Precision};
+use flipmap_engine::{IntegratorConfig, Method, Precision};
 use flipmap_numbers::trig::Turning;
 use flipmap_numbers::{Angle, Dd, Scalar};
 use flipmap_pendulum::control::{Control, FIRST, LONGEST};

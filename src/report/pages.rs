@@ -1,6 +1,6 @@
 //! A report laid out for readers: sections of text, tables and plots, the same for every format.
 
-use crate::engine::EngineKind;
+use flipmap_engine::EngineKind;
 use serde::Serialize;
 
 use super::backend::short_name;

@@ -1,7 +1,7 @@
 //! The plan of a report: every method in every precision, at settings from coarse to fine.
 
-pub use crate::engine::level::{BALANCED, BALANCED_DF32, FAST, LESSON};
-use crate::engine::{IntegratorConfig, Method, Precision};
+pub use flipmap_engine::level::{BALANCED, BALANCED_DF32, FAST, LESSON};
+use flipmap_engine::{IntegratorConfig, Method, Precision};
 
 /// The time and the number of starts that a report may spend.
 #[derive(Clone, Copy, Debug, PartialEq)]

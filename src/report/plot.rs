@@ -8,7 +8,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::ReportError;
 use super::depth::DepthWay;
-use crate::engine::{IntegratorConfig, Method, Precision};
+use flipmap_engine::{IntegratorConfig, Method, Precision};
 
 /// Points of one method in one precision, in the order of its settings.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! True answers of questions: a question reads the end of an orbit of the gold standard in
 //! double-double as it reads an engine's.
 
-use crate::engine::start::whole_turns;
+use flipmap_engine::start::whole_turns;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::passes::{Pass, passes_until};
 use flipmap_pendulum::phase::distance;

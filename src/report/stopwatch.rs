@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::{ReportError, StopTest};
-use crate::engine::{
+use flipmap_engine::{
     Effort, Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Question, Starts, Trust,
     Wait,
 };
@@ -96,8 +96,8 @@ fn answers(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::cpu::CpuEngine;
     use crate::report::{TestSet, plan};
+    use flipmap_engine::cpu::CpuEngine;
 
     #[test]
     fn every_start_is_answered_in_order_and_a_stop_is_heeded() {

@@ -6,7 +6,7 @@ use super::levels::{rows_at, rows_with};
 use super::plan::BALANCED_DF32;
 use super::windows::{WINDOWS, Window};
 use super::{Checks, DepthRow, LongFilm, Report, Row, films};
-use crate::engine::{Accuracy, IntegratorConfig, Precision};
+use flipmap_engine::{Accuracy, IntegratorConfig, Precision};
 
 /// A target and its result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -267,8 +267,8 @@ impl Target {
 mod tests {
     use super::super::fixtures;
     use super::*;
-    use crate::engine::EngineKind;
     use crate::report::plan::{BALANCED, FAST, LESSON};
+    use flipmap_engine::EngineKind;
 
     fn row(config: IntegratorConfig, right: f64, times: f64) -> Row {
         let mut row = Row::named(EngineKind::Cpu, "2 threads", Some(2), config);

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{ReportError, StopTest};
-use crate::engine::Question;
+use flipmap_engine::Question;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, oracle};
 use flipmap_scene::{Fate, Grid, Scene};

@@ -4,8 +4,8 @@
 use rayon::prelude::*;
 
 use super::{ReportError, StopTest, stopwatch};
-use crate::engine::cpu::CpuEngine;
-use crate::engine::{IntegratorConfig, Method, Precision, Question};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::{IntegratorConfig, Method, Precision, Question};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::{Outcome, oracle};
 

@@ -2,8 +2,8 @@
 
 use super::truth::{finest, oracle_f64};
 use super::{ReportError, StopTest};
-use crate::engine::Question;
 use crate::report::test_set::{open_starts, spread};
+use flipmap_engine::Question;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Rule};
 use flipmap_scene::{Build, Kind, QuestionTable as Asked, Scene, View};

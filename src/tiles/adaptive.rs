@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::preview::preview;
 use super::{Counts, Renderer, Samples};
-use crate::engine::{Cells, EngineError, Trust};
+use flipmap_engine::{Cells, EngineError, Trust};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::palette::{AnswerColours, Tint};
 use flipmap_scene::{Sampling, Scene};

@@ -8,7 +8,7 @@ use super::refinement::{self, Quarters};
 use super::samples::Samples;
 use super::saved_pixels::SavedPixel;
 use super::stride::Stride;
-use crate::engine::IntegratorState;
+use flipmap_engine::IntegratorState;
 use flipmap_pendulum::Status;
 use flipmap_scene::lattice::{Cell, SAMPLES, SIDE};
 
@@ -236,7 +236,7 @@ impl Cache {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::NUMBERS;
+    use flipmap_engine::NUMBERS;
 
     use flipmap_scene::Turn;
 

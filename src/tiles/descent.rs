@@ -9,7 +9,7 @@
 use super::bands::Bands;
 use super::preview::preview;
 use super::{Samples, Work};
-use crate::engine::{Engine, EngineError, IntegratorConfig};
+use flipmap_engine::{Engine, EngineError, IntegratorConfig};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::{Budget, Scene};
@@ -237,8 +237,8 @@ impl SmallPicture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::EngineKind;
-    use crate::engine::choice::{Chosen, EngineRequest, choose};
+    use flipmap_engine::EngineKind;
+    use flipmap_engine::choice::{Chosen, EngineRequest, choose};
     use flipmap_scene::BuiltIn;
 
     /// Returns a picture of the home scene with a time in s for each pixel.

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::reader::Reader;
-use crate::engine::trust::{Opinion, direct};
-use crate::engine::{Ends, Question};
+use flipmap_engine::trust::{Opinion, direct};
+use flipmap_engine::{Ends, Question};
 use flipmap_pendulum::Status;
 use flipmap_scene::question::Channel;
 use flipmap_scene::{Grid, Scene};

@@ -29,7 +29,7 @@ use super::refinement::Refinement;
 use super::samples::Counts;
 use super::stride::Stride;
 use super::view_target::{Physics, ViewTarget};
-use crate::engine::{DepthStats, Engine, EngineError, Wait};
+use flipmap_engine::{DepthStats, Engine, EngineError, Wait};
 use flipmap_scene::lattice::{Cell, SIDE};
 
 /// The progress of the newest target.

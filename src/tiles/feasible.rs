@@ -1,7 +1,7 @@
 //! Refusal of pictures that no engine can compute.
 
-use crate::engine::pace::Pace;
-use crate::engine::{Cells, EngineError, IntegratorConfig, Question};
+use flipmap_engine::pace::Pace;
+use flipmap_engine::{Cells, EngineError, IntegratorConfig, Question};
 use flipmap_scene::{Grid, Scene};
 
 /// Returns an error if a picture of `size` pixels needs too many steps for its budget, or if its

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use super::open_tile::OpenTile;
 use super::reader::Reader;
 use super::samples::{Counts, Samples};
-use crate::engine::{
+use flipmap_engine::{
     Effort, Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Question,
     Starts, Wait,
 };

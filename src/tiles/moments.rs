@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::plan::plan;
 use super::reader::Reader;
 use super::samples::Samples;
-use crate::engine::{
+use flipmap_engine::{
     Engine, EngineError, IntegratorConfig, Keep, Question, StartList, Starts, run_job,
 };
 use flipmap_scene::film::{Film, FilmKind};

@@ -9,7 +9,7 @@ use super::plan::Tile;
 use super::samples::{RowMut, Samples};
 use super::saved_pixels::SavedPixel;
 use super::stride::Stride;
-use crate::engine::{
+use flipmap_engine::{
     Cells, Deep, IntegratorConfig, IntegratorState, Leaf, StartList, Starts, Trust, Upright,
 };
 use flipmap_pendulum::Outcome;
@@ -345,7 +345,7 @@ impl Spacing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::level::BALANCED;
+    use flipmap_engine::level::BALANCED;
     use flipmap_scene::{BuiltIn, View};
 
     #[test]

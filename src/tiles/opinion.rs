@@ -5,8 +5,8 @@ use super::Samples;
 use super::direct_check::{Answered, DirectCheck};
 use super::open_tile::OpenTile;
 use super::reader::Reader;
-use crate::engine::trust::{Opinion, TrustEngine};
-use crate::engine::{
+use flipmap_engine::trust::{Opinion, TrustEngine};
+use flipmap_engine::{
     Cells, Engine, EngineError, IntegratorConfig, Keep, Question, Starts, Trust, run_job,
 };
 use flipmap_pendulum::Status;
@@ -100,10 +100,10 @@ fn random_pixels(scene: &Scene, size: [u32; 2]) -> Vec<[u32; 2]> {
 mod tests {
     use super::super::outlook::outlook;
     use super::*;
-    use crate::engine::cpu::CpuEngine;
-    use crate::engine::depth::DepthEngine;
-    use crate::engine::depth::sabotage::Sabotage;
-    use crate::engine::level::BALANCED;
+    use flipmap_engine::cpu::CpuEngine;
+    use flipmap_engine::depth::DepthEngine;
+    use flipmap_engine::depth::sabotage::Sabotage;
+    use flipmap_engine::level::BALANCED;
     use flipmap_scene::question::Ask;
     use flipmap_scene::{Budget, QuestionTable, View};
 
@@ -142,7 +142,7 @@ mod tests {
         opinion(scene, SIZE, how, &mut engine, &|| true).unwrap().expect("deep")
     }
 
-    fn estimate(scene: &Scene, sabotage: Option<Sabotage>) -> crate::engine::trust::Outlook {
+    fn estimate(scene: &Scene, sabotage: Option<Sabotage>) -> flipmap_engine::trust::Outlook {
         let how = (BALANCED, Cells::Auto);
         outlook(scene, SIZE, how, &mut engine(sabotage), &|| true).unwrap().unwrap()
     }

@@ -3,8 +3,8 @@
 use super::direct_check::{Answered, DirectCheck};
 use super::open_tile::OpenTile;
 use super::reader::Reader;
-use crate::engine::trust::{Opinion, Outlook};
-use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Question};
+use flipmap_engine::trust::{Opinion, Outlook};
+use flipmap_engine::{Cells, Engine, EngineError, IntegratorConfig, Question};
 use flipmap_pendulum::Status;
 use flipmap_scene::{Grid, Scene};
 

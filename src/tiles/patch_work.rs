@@ -8,7 +8,7 @@ use super::open_tile::{OpenTile, Spacing};
 use super::patches::{PATCH_SAMPLES, PATCH_SIDE};
 use super::samples::{Counts, Samples};
 use super::stride::Stride;
-use crate::engine::{Engine, EngineError, IntegratorConfig, Question, Wait};
+use flipmap_engine::{Engine, EngineError, IntegratorConfig, Question, Wait};
 use flipmap_scene::Scene;
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::question::Ask;
@@ -108,8 +108,8 @@ impl TileSource for PatchWork {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::mock::MockEngine;
-    use crate::engine::{Method, Precision};
+    use flipmap_engine::mock::MockEngine;
+    use flipmap_engine::{Method, Precision};
     use flipmap_scene::Fate;
 
     const CONFIG: IntegratorConfig =

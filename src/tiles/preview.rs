@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::{Counts, FinishedTile, Samples, Work};
-use crate::engine::{Engine, EngineError};
+use flipmap_engine::{Engine, EngineError};
 
 /// Longest wait for the engine before `go_on` is called again.
 const PATIENCE: Duration = Duration::from_millis(50);

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Samples;
-use crate::engine::{End, Ends, JobResult, Question};
+use flipmap_engine::{End, Ends, JobResult, Question};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::transport::{transported, turns_between};
 use flipmap_pendulum::{Outcome, Pendulum, Status};

@@ -2,17 +2,17 @@
 
 use super::preview::preview;
 use super::{Counts, Samples, Work, check_feasible, opinion};
-use crate::engine::choice::{ChoiceError, Chosen, EngineRequest, choose};
-use crate::engine::threads::threads_beside;
-use crate::engine::trust::{Opinion, TrustEngine};
-use crate::engine::{Cells, Engine, EngineError, IntegratorConfig};
+use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, choose};
+use flipmap_engine::threads::threads_beside;
+use flipmap_engine::trust::{Opinion, TrustEngine};
+use flipmap_engine::{Cells, Engine, EngineError, IntegratorConfig};
 use flipmap_scene::{Sampling, Scene};
 
 /// Renders scenes to arrays of samples, one engine for all of them.
 ///
 /// ```
-/// use flipmap::engine::choice::EngineRequest;
-/// use flipmap::engine::EngineKind;
+/// use flipmap_engine::choice::EngineRequest;
+/// use flipmap_engine::EngineKind;
 /// use flipmap_scene::Scene;
 /// use flipmap::tiles::Renderer;
 ///

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::engine::{Effort, Trust};
+use flipmap_engine::{Effort, Trust};
 use flipmap_pendulum::{Outcome, Status};
 
 /// Answers and their trust, stored compactly.

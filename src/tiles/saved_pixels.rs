@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::engine::IntegratorState;
+use flipmap_engine::IntegratorState;
 use flipmap_pendulum::{Outcome, Status};
 
 /// Pixels by their index in the picture, row by row from the top. Forbidden pixels and mirror
@@ -69,7 +69,7 @@ impl SavedPixels {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::NUMBERS;
+    use flipmap_engine::NUMBERS;
 
     #[test]
     fn what_was_kept_is_known_and_nothing_else() {

@@ -1,6 +1,6 @@
 //! The target of a window: the physics and the part of the plane in view.
 
-use crate::engine::{IntegratorConfig, Question};
+use flipmap_engine::{IntegratorConfig, Question};
 use flipmap_scene::lattice::Region;
 use flipmap_scene::{Budget, Build, Plane, QuestionTable, Scene};
 

@@ -12,7 +12,7 @@ use super::plan::{Tile, plan};
 use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
-use crate::engine::{Cells, Engine, EngineError, IntegratorConfig, Question, Trust, Wait};
+use flipmap_engine::{Cells, Engine, EngineError, IntegratorConfig, Question, Trust, Wait};
 use flipmap_pendulum::Status;
 use flipmap_scene::question::Ask;
 use flipmap_scene::{Grid, Sampling, Scene};
@@ -304,8 +304,8 @@ impl TileSource for Work {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::mock::MockEngine;
-    use crate::engine::{Method, Precision};
+    use flipmap_engine::mock::MockEngine;
+    use flipmap_engine::{Method, Precision};
     use flipmap_scene::{Fate, View};
 
     const CONFIG: IntegratorConfig =

@@ -22,10 +22,10 @@ use egui_kittest::kittest::{AccessKitNode, NodeT, Queryable};
 use flipmap::app::folders::Folders;
 use flipmap::app::model::{AppModel, WindowOptions};
 use flipmap::app::settings::{EdgeSamples, Theme};
-use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
-use flipmap::engine::{Accuracy, EngineKind};
 use flipmap::lab::Figure;
 use flipmap::tiles::Counts;
+use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
+use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_numbers::Scalar;
 use flipmap_scene::{BuiltIn, Document, RunTable, location};
 

@@ -4,8 +4,8 @@ use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 use flipmap::app::folders::Folders;
 use flipmap::app::model::AppModel;
-use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
-use flipmap::engine::{Accuracy, EngineKind, IntegratorConfig, Method, Precision};
+use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
+use flipmap_engine::{Accuracy, EngineKind, IntegratorConfig, Method, Precision};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::{Document, RunTable, location};
 

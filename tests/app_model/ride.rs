@@ -6,7 +6,7 @@ use flipmap::app::action::{Action, Look};
 use flipmap::app::camera::{Camera, MovePace};
 use flipmap::app::folders::Folders;
 use flipmap::app::model::{AppModel, WindowOptions};
-use flipmap::engine::IntegratorConfig;
+use flipmap_engine::IntegratorConfig;
 use flipmap_scene::{BuiltIn, Sampling, Scene};
 
 use super::*;

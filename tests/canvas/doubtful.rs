@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{
+use flipmap_engine::mock::MockEngine;
+use flipmap_engine::{
     Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Starts, Trust, Wait,
 };
 use flipmap_numbers::Dd;

@@ -2,15 +2,15 @@
 //! same light from the side.
 
 use flipmap::app::camera::Screen;
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::depth::DepthEngine;
-use flipmap::engine::level::BALANCED;
-use flipmap::engine::{Engine, IntegratorConfig};
 use flipmap::output::{RowOrder, RowPainter};
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap::tiles::{Samples, Work};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::depth::DepthEngine;
+use flipmap_engine::level::BALANCED;
+use flipmap_engine::{Engine, IntegratorConfig};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
 use flipmap_scene::lattice::{Cell, pitch_rad, side_rad};

@@ -2,12 +2,12 @@
 //! plain scalar RK4, and shares of right pixels.
 #![allow(dead_code)]
 
-use flipmap::engine::choice::open_checked;
-use flipmap::engine::gpu::{GpuEngine, device};
-use flipmap::engine::{
+use flipmap::report::baseline;
+use flipmap_engine::choice::open_checked;
+use flipmap_engine::gpu::{GpuEngine, device};
+use flipmap_engine::{
     Engine, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Question, Starts, Wait,
 };
-use flipmap::report::baseline;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status, oracle};
 use flipmap_scene::{Fate, Grid, Scene};
@@ -25,7 +25,7 @@ pub(crate) fn gpu_engine() -> GpuEngine {
     let adapter = adapter.unwrap_or_else(|| {
         panic!(
             "{}; or declare its absence with FLIPMAP_NO_GPU=1",
-            flipmap::engine::choice::INSTALL_HINT
+            flipmap_engine::choice::INSTALL_HINT
         )
     });
     eprintln!("adapter: {}", device::describe(&adapter));

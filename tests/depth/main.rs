@@ -5,15 +5,15 @@ mod rims;
 
 use std::time::{Duration, Instant};
 
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::depth::{DepthEngine, Following};
-use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{
+use flipmap::tiles::{Samples, Work};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::depth::{DepthEngine, Following};
+use flipmap_engine::level::{BALANCED, FAST};
+use flipmap_engine::trust::TrustEngine;
+use flipmap_engine::{
     Cells, Deep, Engine, IntegratorConfig, Job, Keep, Leaf, Precision, Question, Starts, Trust,
     Wait,
 };
-use flipmap::tiles::{Samples, Work};
 use flipmap_numbers::{Fixed, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status, oracle};
 use flipmap_scene::lattice::Cell;
@@ -239,7 +239,7 @@ fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
     for width in ["3e-3", "1e-4", "1e-6", "1e-8", "1e-11"] {
         let scene = scene(["2.2", "-1.9"], width);
         let cells = samples(&scene, [16, 16], BALANCED, &mut engine(), 256);
-        let direct = flipmap::engine::Method::named("taylor", Precision::Dd).unwrap();
+        let direct = flipmap_engine::Method::named("taylor", Precision::Dd).unwrap();
         let direct = IntegratorConfig { method: direct, precision: Precision::Dd };
         let alone = samples(&scene, [16, 16], direct, &mut engine(), 256);
         for k in 0..256 {

@@ -3,9 +3,9 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::common::*;
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::level::FINEST;
-use flipmap::engine::{
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::level::FINEST;
+use flipmap_engine::{
     Accuracy, Engine, IntegratorConfig, Keep, Method, Onset, Precision, Question, Starts, Upright,
 };
 use flipmap_numbers::{Dd, Decimal};
@@ -309,7 +309,7 @@ fn a_job_without_starts_is_done_at_once(make: Make) {
 }
 
 fn cancelled_jobs_never_come_back(make: Make) {
-    use flipmap::engine::{Job, Wait};
+    use flipmap_engine::{Job, Wait};
     static IDS: AtomicU32 = AtomicU32::new(100);
     let question = question(&Scene::default());
     let starts = Starts::Rest(open_starts(&Scene::default(), 64, 1));

@@ -1,15 +1,15 @@
 //! Windows chosen to break `exact`: no pixel may be wrong and unmarked.
 
 use crate::common;
-use flipmap::engine::choice::{EngineRequest, IntegrationSetting};
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::depth::DepthEngine;
-use flipmap::engine::level::BALANCED;
-use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Accuracy, Engine, EngineKind, IntegratorConfig, Method, Precision, Trust};
 use flipmap::report::hunt::Hunt;
 use flipmap::tiles::preview::preview;
 use flipmap::tiles::{Samples, Work};
+use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::depth::DepthEngine;
+use flipmap_engine::level::BALANCED;
+use flipmap_engine::trust::TrustEngine;
+use flipmap_engine::{Accuracy, Engine, EngineKind, IntegratorConfig, Method, Precision, Trust};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::{Outcome, Rule, Status, oracle};

@@ -2,11 +2,11 @@
 
 use crate::common::*;
 use crate::rewritten::Rewritten;
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::gpu::device::is_software;
-use flipmap::engine::level::FINEST;
-use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::gpu::device::is_software;
+use flipmap_engine::level::FINEST;
+use flipmap_engine::trust::TrustEngine;
+use flipmap_engine::{
     Accuracy, End, Ends, Engine, Job, JobResult, Keep, Question, Starts, Trust, Wait,
 };
 use flipmap_numbers::Dd;

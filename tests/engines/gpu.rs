@@ -4,14 +4,14 @@ use std::time::{Duration, Instant};
 
 use crate::common::*;
 use crate::rewritten::Rewritten;
-use flipmap::engine::choice::{EngineRequest, IntegrationSetting, choose};
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::gpu::device::{Gpu, is_software};
-use flipmap::engine::gpu::pairs::Pairs;
-use flipmap::engine::gpu::{GpuEngine, MOST_KERNELS};
-use flipmap::engine::level::{BALANCED_DF32, FAST_TO_COMPILE, FINEST};
-use flipmap::engine::selfcheck::{self, Verdict};
-use flipmap::engine::{
+use flipmap_engine::choice::{EngineRequest, IntegrationSetting, choose};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::gpu::device::{Gpu, is_software};
+use flipmap_engine::gpu::pairs::Pairs;
+use flipmap_engine::gpu::{GpuEngine, MOST_KERNELS};
+use flipmap_engine::level::{BALANCED_DF32, FAST_TO_COMPILE, FINEST};
+use flipmap_engine::selfcheck::{self, Verdict};
+use flipmap_engine::{
     Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, Keep, Method,
     Precision, Question, Starts, Wait,
 };

@@ -1,8 +1,8 @@
 //! Outcomes that a card packs before they are read back.
 
 use crate::common::*;
-use flipmap::engine::gpu::GpuEngine;
-use flipmap::engine::{
+use flipmap_engine::gpu::GpuEngine;
+use flipmap_engine::{
     Engine, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Method, Precision, Question,
     Starts, Wait,
 };

@@ -1,8 +1,8 @@
 //! A graphics card whose jobs are changed on the way, with nothing that an engine may offer beyond what
 //! it must: it makes every check itself, where one in software leaves expansions to the processor.
 
-use flipmap::engine::gpu::GpuEngine;
-use flipmap::engine::{Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Wait};
+use flipmap_engine::gpu::GpuEngine;
+use flipmap_engine::{Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Wait};
 
 pub(crate) struct Rewritten {
     pub(crate) engine: GpuEngine,

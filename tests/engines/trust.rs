@@ -1,9 +1,9 @@
 //! The reliability of checked answers.
 
 use crate::common::*;
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::trust::TrustEngine;
-use flipmap::engine::{Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Starts, Trust};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::trust::TrustEngine;
+use flipmap_engine::{Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Starts, Trust};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Pendulum, Status, oracle};
 use flipmap_scene::{Budget, QuestionTable as Asked, Scene, View};
@@ -109,7 +109,7 @@ fn beyond_every_horizon_pixels_are_marked() {
 fn a_paused_pendulum_cannot_be_checked() {
     let mut engine = exact();
     let question = question(&Scene::default());
-    let job = flipmap::engine::Job {
+    let job = flipmap_engine::Job {
         id: 1,
         question,
         config: IntegratorConfig { method: Method::LESSON, precision: Precision::F32 },

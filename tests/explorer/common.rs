@@ -2,11 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{IntegratorConfig, Job, Method, Precision, Question};
 use flipmap::tiles::cache::{CachedCell, TILE_BYTES};
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap::tiles::view_target::{Physics, ViewTarget};
+use flipmap_engine::mock::MockEngine;
+use flipmap_engine::{IntegratorConfig, Job, Method, Precision, Question};
 use flipmap_numbers::{Decimal, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::lattice::{Cell, Region, SIDE, side_rad};

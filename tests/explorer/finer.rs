@@ -1,8 +1,8 @@
 //! Finer samples at edges, which come last and only where they show something.
 
-use flipmap::engine::Engine;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::ViewTarget;
+use flipmap_engine::Engine;
 use flipmap_pendulum::Status;
 use flipmap_scene::lattice::SAMPLES;
 

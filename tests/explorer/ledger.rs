@@ -3,8 +3,8 @@
 
 use std::collections::{HashMap, HashSet};
 
-use flipmap::engine::mock::MockEngine;
-use flipmap::engine::{
+use flipmap_engine::mock::MockEngine;
+use flipmap_engine::{
     Engine, EngineError, EngineKind, IntegratorConfig, IntegratorState, Job, JobResult, Question,
     Starts, Wait,
 };

@@ -3,10 +3,10 @@
 use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
-use flipmap::engine::Engine;
-use flipmap::engine::mock::MockEngine;
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap::tiles::view_target::ViewTarget;
+use flipmap_engine::Engine;
+use flipmap_engine::mock::MockEngine;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_scene::lattice::{Cell, Region, side_rad};
 

@@ -1,11 +1,11 @@
 //! Tiles of other questions and planes show what a picture of the same starts shows.
 
-use flipmap::engine::IntegratorConfig;
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::level::BALANCED;
 use flipmap::tiles::Work;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::{Physics, ViewTarget};
+use flipmap_engine::IntegratorConfig;
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::level::BALANCED;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
 use flipmap_scene::lattice::{Cell, Region, SIDE, side_rad};
@@ -101,7 +101,7 @@ fn without_symmetry_every_cell_is_computed() {
         let target = ViewTarget { region, level: 2, ..target(&scene, home) };
         let mut explorer = Explorer::new(ROOMY);
         explorer.target(&target);
-        explorer.work(&mut flipmap::engine::mock::MockEngine::default(), None).unwrap();
+        explorer.work(&mut flipmap_engine::mock::MockEngine::default(), None).unwrap();
         explorer.counts().pixels
     };
     let tile = u64::from(SIDE * SIDE);

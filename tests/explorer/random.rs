@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use flipmap::engine::Engine;
-use flipmap::engine::mock::MockEngine;
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::Explorer;
 use flipmap::tiles::view_target::ViewTarget;
+use flipmap_engine::Engine;
+use flipmap_engine::mock::MockEngine;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_scene::lattice::side_rad;
 use proptest::prelude::*;

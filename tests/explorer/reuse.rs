@@ -3,11 +3,11 @@
 
 use std::collections::HashSet;
 
-use flipmap::engine::Keep;
-use flipmap::engine::mock::MockEngine;
 use flipmap::tiles::cache::TILE_BYTES;
 use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap::tiles::view_target::{Physics, ViewTarget};
+use flipmap_engine::Keep;
+use flipmap_engine::mock::MockEngine;
 use flipmap_numbers::Theta;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::lattice::{Cell, Region, side_rad};

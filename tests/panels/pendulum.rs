@@ -8,7 +8,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use flipmap::app::panels::pendulum::{FRAME, pendulum_panel};
 use flipmap::app::pin_start::PinStart;
 use flipmap::app::pins::{PinAction, PinId, Pins};
-use flipmap::engine::Trust;
+use flipmap_engine::Trust;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::{Build, Kind, Scene};

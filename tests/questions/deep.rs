@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::depth::DepthEngine;
-use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::engine::{IntegratorConfig, Trust};
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::depth::DepthEngine;
+use flipmap_engine::level::{BALANCED, FAST};
+use flipmap_engine::{IntegratorConfig, Trust};
 use flipmap_numbers::{Fixed, Scalar, Theta};
 use flipmap_pendulum::State;
 use flipmap_pendulum::tangents::TangentMap;

@@ -1,10 +1,10 @@
 //! Deep views of planes of thrown pendulums.
 
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::depth::DepthEngine;
-use flipmap::engine::level::{BALANCED, FAST, LESSON};
-use flipmap::engine::{IntegratorConfig, Trust};
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::depth::DepthEngine;
+use flipmap_engine::level::{BALANCED, FAST, LESSON};
+use flipmap_engine::{IntegratorConfig, Trust};
 use flipmap_numbers::{Angle, Fixed, Scalar};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Outcome, State, Status, oracle};

@@ -1,9 +1,9 @@
 //! Flips on every plane, counts of them, checks, and the graphics engine.
 
-use flipmap::engine::Precision;
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::level::{BALANCED, FAST};
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_engine::Precision;
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::question::Ask;
@@ -46,7 +46,7 @@ fn checked_pixels_of_other_questions_and_planes_are_sure_or_marked() {
         assert!(counts.uncertain() < 8, "{}", counts.uncertain());
         for k in 0..144 {
             let Some(start) = start(&scene, 12, k) else { continue };
-            if samples.trust(k as usize) == flipmap::engine::Trust::Uncertain {
+            if samples.trust(k as usize) == flipmap_engine::Trust::Uncertain {
                 continue;
             }
             if scene.question.ask == Ask::State {

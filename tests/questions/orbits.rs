@@ -1,11 +1,11 @@
 //! Growth, periodic orbits, and returns to the start.
 
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::engine::{
+use flipmap::tiles::{Renderer, Samples};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::level::{BALANCED, FAST};
+use flipmap_engine::{
     Ends, Engine, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, Trust,
 };
-use flipmap::tiles::{Renderer, Samples};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{State, Status};

@@ -1,10 +1,10 @@
 //! States at a time, films of them, and friction.
 
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::engine::{Engine, IntegratorConfig, Precision};
 use flipmap::tiles::moments::Moments;
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::level::{BALANCED, FAST};
+use flipmap_engine::{Engine, IntegratorConfig, Precision};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{State, Status};

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use flipmap::engine::cpu::CpuEngine;
-use flipmap::engine::depth::DepthEngine;
-use flipmap::engine::level::{BALANCED, FAST};
-use flipmap::engine::{Engine, IntegratorConfig, Method, Precision};
 use flipmap::tiles::{Renderer, Samples};
+use flipmap_engine::cpu::CpuEngine;
+use flipmap_engine::depth::DepthEngine;
+use flipmap_engine::level::{BALANCED, FAST};
+use flipmap_engine::{Engine, IntegratorConfig, Method, Precision};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::oracle::flip_within;
 use flipmap_pendulum::passes::{Pass, passes_until};

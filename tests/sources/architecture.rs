@@ -9,15 +9,15 @@ use crate::shader_structs::members;
 use crate::sources::{product_files, rust_files};
 use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
-use flipmap::engine::gpu::kernel::{Design, selfcheck_text};
-use flipmap::engine::gpu::pairs::Pairs;
-use flipmap::engine::level::{BALANCED, FAST, LESSON};
-use flipmap::engine::pace::Pace;
-use flipmap::engine::shared::{
+use flipmap::output::sha256;
+use flipmap_engine::gpu::kernel::{Design, selfcheck_text};
+use flipmap_engine::gpu::pairs::Pairs;
+use flipmap_engine::level::{BALANCED, FAST, LESSON};
+use flipmap_engine::pace::Pace;
+use flipmap_engine::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants,
 };
-use flipmap::engine::{Ends, IntegratorConfig, Method, Precision, Question, Trust};
-use flipmap::output::sha256;
+use flipmap_engine::{Ends, IntegratorConfig, Method, Precision, Question, Trust};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Rule, Status};
 use flipmap_scene::lattice::SIDE;
@@ -26,7 +26,7 @@ use flipmap_shaders::{KEPT, KERNEL_PARTS, PICTURE};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// The modules from left to right: a module may use only those before it.
-const ORDER: [&str; 8] = ["engine", "tiles", "output", "film", "farm", "report", "lab", "app"];
+const ORDER: [&str; 7] = ["tiles", "output", "film", "farm", "report", "lab", "app"];
 
 /// The top-level names of every `use crate::{…}` in a text.
 fn grouped(text: &str) -> Vec<String> {

@@ -6,12 +6,12 @@ use std::mem::offset_of;
 use std::path::Path;
 
 use crate::shader_structs::members;
-use flipmap::engine::gpu::kernel::{Design, pack_text, selfcheck_text};
-use flipmap::engine::gpu::packing::Packing;
-use flipmap::engine::gpu::pairs::Pairs;
-use flipmap::engine::pace::Pace;
-use flipmap::engine::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
-use flipmap::engine::{Ends, IntegratorConfig, Method, Precision, Question};
+use flipmap_engine::gpu::kernel::{Design, pack_text, selfcheck_text};
+use flipmap_engine::gpu::packing::Packing;
+use flipmap_engine::gpu::pairs::Pairs;
+use flipmap_engine::pace::Pace;
+use flipmap_engine::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
+use flipmap_engine::{Ends, IntegratorConfig, Method, Precision, Question};
 use flipmap_pendulum::Rule;
 use flipmap_scene::Build;
 use naga::back::{glsl, hlsl, msl, spv};

@@ -1,8 +1,8 @@
 //! Comparison of a window with the picture that an export makes of the same view.
 
 use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
-use flipmap::engine::choice::EngineRequest;
-use flipmap::engine::{Accuracy, EngineKind};
+use flipmap_engine::choice::EngineRequest;
+use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::palette::Tones;

@@ -1,7 +1,7 @@
 //! A sample packed into one word, as the atlas holds it (counterpart: shaders/picture.wgsl).
 
-use crate::engine::Trust;
 use crate::tiles::Samples;
+use flipmap_engine::Trust;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::palette::{AnswerColours, TimeScale};
 

@@ -18,7 +18,7 @@ pub use self::agreement::Agreement;
 pub use self::playback::Playback;
 pub use self::record::{FlightEnding, Flip, Record, Track};
 pub use self::trail::Trail;
-use crate::engine::Question;
+use flipmap_engine::Question;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Launch, Outcome, Pendulum, Status};
 

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use super::record::{FlightEnding, Flip, Record, Track};
-use crate::engine::Question;
+use flipmap_engine::Question;
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::separation::{Reading, Ruler};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};

@@ -3,8 +3,8 @@
 use egui::{RichText, Ui};
 
 use crate::app::action::Action;
-use crate::engine::choice::IntegrationSetting;
-use crate::engine::{Accuracy, EngineKind, IntegratorConfig};
+use flipmap_engine::choice::IntegrationSetting;
+use flipmap_engine::{Accuracy, EngineKind, IntegratorConfig};
 
 /// The state shown in the panel.
 #[derive(Clone, Debug, PartialEq)]

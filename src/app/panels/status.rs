@@ -2,8 +2,8 @@
 
 use egui::{ProgressBar, Ui};
 
-use crate::engine::{DepthStats, Precision};
 use crate::tiles::explorer::ViewProgress;
+use flipmap_engine::{DepthStats, Precision};
 
 /// The content of the line.
 #[derive(Clone, Debug, Default, PartialEq)]

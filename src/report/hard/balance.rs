@@ -1,7 +1,7 @@
 //! Hard cases of energy and balance: the rims of the forbidden region, and the upright equilibria.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, count, home, oracle_dd, oracle_f64};
-use crate::engine::EngineError;
+use flipmap_engine::EngineError;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Pendulum, Rule, Status};
 

@@ -1,7 +1,7 @@
 //! Pendulums that are hard to integrate: whips, extreme ratios, weightless ones.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, apart, count, home, oracle_f64};
-use crate::engine::{EngineError, Question};
+use flipmap_engine::{EngineError, Question};
 use flipmap_numbers::{Dd, Decimal};
 use flipmap_pendulum::{Pendulum, Rule, Status};
 use flipmap_scene::{Build, Kind};

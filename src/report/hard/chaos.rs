@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::tangent::spectrum;
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, TAYLOR, apart, builds, home};
-use crate::engine::{EngineError, Question};
+use flipmap_engine::{EngineError, Question};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Pendulum, Rule, Status};
 use flipmap_scene::{Build, Kind};

@@ -1,8 +1,8 @@
 //! Promises of each method at any start: energy kept, time reversed, order met.
 
 use super::{BALANCED, FAST, HardBench, HardCase, HardFinding, LESSON, Of, TAYLOR, home};
-use crate::engine::start::TIME;
-use crate::engine::{EngineError, IntegratorConfig, IntegratorState, Precision, Question, Starts};
+use flipmap_engine::start::TIME;
+use flipmap_engine::{EngineError, IntegratorConfig, IntegratorState, Precision, Question, Starts};
 use flipmap_numbers::trig::Turning;
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::embedded::{dop853, dopri5, plus};
@@ -63,7 +63,7 @@ fn energy(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         for (index, paused) in left.unfinished {
             let state = if matches!(
                 config,
-                IntegratorConfig { method: crate::engine::Method::Rk4 { .. }, .. }
+                IntegratorConfig { method: flipmap_engine::Method::Rk4 { .. }, .. }
             ) {
                 let [t1, t2, w1, w2] = [0, 1, 2, 3].map(|i| paused.numbers[i]);
                 State { angle: [t1, t2], speed: [w1, w2] }
@@ -97,7 +97,7 @@ fn there_and_back(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let mut parts = Vec::new();
     let mut held = true;
     let in_dd = IntegratorConfig {
-        method: crate::engine::Method::Taylor { tolerance: 1e-28 },
+        method: flipmap_engine::Method::Taylor { tolerance: 1e-28 },
         precision: Precision::Dd,
     };
     for (name, config, allowed) in

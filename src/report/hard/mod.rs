@@ -17,8 +17,8 @@ mod views;
 use serde::Serialize;
 
 use super::truth::{oracle_dd, oracle_f64};
-pub use crate::engine::level::{BALANCED, FAST};
-use crate::engine::{
+pub use flipmap_engine::level::{BALANCED, FAST};
+use flipmap_engine::{
     Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method, Precision,
     Question, Starts, Wait,
 };

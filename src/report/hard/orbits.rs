@@ -1,7 +1,7 @@
 //! Hard cases of periodic orbits on the section θ1 = 0, which a computer-assisted proof encloses.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of};
-use crate::engine::{Ends, EngineError, Job, Keep, Question, Starts, Wait};
+use flipmap_engine::{Ends, EngineError, Job, Keep, Question, Starts, Wait};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::passes::{SectionReturn, section_return};
 use flipmap_pendulum::{Accumulators, Launch, Pendulum, Rule, State};

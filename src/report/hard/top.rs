@@ -3,7 +3,7 @@
 use super::{
     BALANCED, HardBench, HardCase, HardFinding, Of, apart, farthest, home, oracle_dd, oracle_f64,
 };
-use crate::engine::{EngineError, Question};
+use flipmap_engine::{EngineError, Question};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Rule, State, Status, oracle};
 

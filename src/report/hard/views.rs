@@ -1,7 +1,7 @@
 //! Windows where coordinates go wrong: across the seam, and below the resolution of the numbers.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, LESSON, Of, apart, count};
-use crate::engine::{EngineError, Question};
+use flipmap_engine::{EngineError, Question};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::{Fate, Grid, Scene, View};

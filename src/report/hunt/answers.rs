@@ -3,8 +3,8 @@
 
 use super::referee::{MotionEnd, Referee};
 use super::start::start;
-use crate::engine::{End, Ends, Question};
 use crate::tiles::reader::Reader;
+use flipmap_engine::{End, Ends, Question};
 use flipmap_numbers::{Angle, Dd, Fixed, Scalar, Theta};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::phase::Phase;

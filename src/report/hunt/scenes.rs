@@ -3,8 +3,8 @@
 //! filaments, energy curves and grazes.
 
 use super::how::How;
-use crate::engine::{Engine, EngineError, EngineKind, IntegratorConfig};
 use crate::tiles::descent::{Descent, DescentStep};
+use flipmap_engine::{Engine, EngineError, EngineKind, IntegratorConfig};
 use flipmap_numbers::{Angle, Decimal, Scalar, Theta};
 use flipmap_pendulum::Rule;
 use flipmap_scene::question::Ask;

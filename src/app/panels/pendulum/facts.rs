@@ -4,7 +4,7 @@ use egui::{Grid, RichText, Ui};
 
 use crate::app::flight::{Agreement, Flight, FlightEnding};
 use crate::app::pins::Pin;
-use crate::engine::Trust;
+use flipmap_engine::Trust;
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::separation::reading_at;
 use flipmap_pendulum::{Outcome, Status};

@@ -1,0 +1,355 @@
+//! The text of a kernel: the shader files joined for one scene and configuration, with the maths of
+//! `flipmap_pendulum` printed into them.
+
+mod values;
+
+use std::collections::BTreeMap;
+
+use minijinja::syntax::SyntaxConfig;
+use minijinja::{Environment, UndefinedBehavior};
+use serde::Serialize;
+
+use self::values::{
+    CarriedValues, ControlValues, CountValues, PackValues, PairValues, SelfcheckValues, TextValues,
+    Values,
+};
+use super::maths;
+use super::packing::Packing;
+use super::pairs::Pairs;
+use crate::integrator_state::{LOG_SCALE, SEARCH, STARTS, carried_names};
+use crate::pace::Pace;
+use crate::shared::status_constants;
+use crate::slowed::least_energy;
+use crate::start::{ANGLES, PHASE};
+use crate::{Ends, EngineError, IntegratorConfig, Method, Precision, Question};
+use flipmap_numbers::trig::Turning;
+use flipmap_pendulum::control::{Control, GROW, LONGEST, SHRINK};
+use flipmap_pendulum::crossing::{FAR, SLACK};
+use flipmap_pendulum::series::ORDER_F64;
+use flipmap_pendulum::{Pendulum, Rule};
+use flipmap_shaders::KERNEL_PARTS;
+
+/// The method by which a kernel steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scheme {
+    /// RK4, with the way in which the stages of a step find their directions.
+    Fixed(Turning),
+    /// The pair DOPRI5.
+    Fifth,
+    /// The pair DOP853.
+    Eighth,
+    /// Taylor expansions; only in f64.
+    Series,
+}
+
+/// All that a kernel's text depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Design {
+    /// The number type.
+    pub precision: Precision,
+    /// True if the state keeps the remainders of its roundings; only in f32.
+    pub compensated: bool,
+    /// The way in which pairs of f32 are computed; only in df32.
+    pub pairs: Pairs,
+    /// True if invocations of a subgroup can exchange values on this adapter.
+    pub subgroups: bool,
+    /// The method.
+    pub scheme: Scheme,
+    /// The scene the kernel is made for; without one it reads the scene as data.
+    pub scene: Option<(Pendulum<f64>, Rule)>,
+    /// Number of passes of the top after which a pendulum is done; counted unless it is 1.
+    pub passes: u32,
+    /// Growth or returns, where the kernel computes these instead of passes of the top.
+    pub ends: Ends,
+}
+
+impl Design {
+    /// The kernel made for a question at a pace and nothing else.
+    pub fn specialised(self, question: &Question, pace: &Pace) -> Self {
+        let scheme = match (self.scheme, pace) {
+            (Scheme::Fixed(_), Pace::Fixed(steps)) => {
+                Scheme::Fixed(steps.turning(question, self.precision))
+            }
+            (scheme, _) => scheme,
+        };
+        let scene = Some((question.reduced().0, question.rule));
+        Design { scheme, scene, passes: question.passes, ..self }
+    }
+
+    /// The kernel that takes any question.
+    pub fn general(
+        config: &IntegratorConfig,
+        compensated: bool,
+        subgroups: bool,
+    ) -> Result<Self, EngineError> {
+        let scheme = match config.method {
+            Method::Rk4 { .. } if config.precision != Precision::Df32 => {
+                Scheme::Fixed(Turning::Fresh)
+            }
+            Method::Dopri5 { .. } => Scheme::Fifth,
+            Method::Dop853 { .. } => Scheme::Eighth,
+            Method::Taylor { .. } if config.precision == Precision::F64 => Scheme::Series,
+            method => {
+                return Err(EngineError::Unsupported(format!(
+                    "graphics adapters have no `method` {} in `precision` {}",
+                    method.name(),
+                    config.precision
+                )));
+            }
+        };
+        Ok(Design {
+            precision: config.precision,
+            compensated: compensated && config.precision == Precision::F32,
+            pairs: Pairs::default(),
+            subgroups,
+            scheme,
+            scene: None,
+            passes: 1,
+            ends: Ends::None,
+        })
+    }
+
+    /// The kernel that computes pairs of f32 in this way; the same for every other number type.
+    pub fn with_pairs(self, pairs: Pairs) -> Self {
+        if self.precision == Precision::Df32 { Design { pairs, ..self } } else { self }
+    }
+
+    /// Returns true if the kernel counts passes of the top.
+    pub fn counts_passes(&self) -> bool {
+        self.passes != 1
+    }
+
+    /// Returns true if the kernel can begin the starts of an upright picture.
+    pub fn begins(&self) -> bool {
+        !self.ends.are_carried()
+    }
+
+    /// The same kernel, if its scheme can compute such ends.
+    pub fn returning(self, ends: Ends) -> Result<Self, EngineError> {
+        if self.scheme == Scheme::Series && ends.are_carried() {
+            let why = "graphics adapters compute no growth and no returns by `method` taylor";
+            return Err(EngineError::Unsupported(why.to_string()));
+        }
+        Ok(self)
+    }
+
+    /// Returns true if scenes have no kernels of their own: expansions check a few pixels of each, and
+    /// their kernels take long to compile.
+    pub fn serves_all(&self) -> bool {
+        self.scheme == Scheme::Series
+    }
+
+    pub(super) fn is_adaptive(&self) -> bool {
+        !matches!(self.scheme, Scheme::Fixed(_))
+    }
+
+    /// The kernel that computes growth or returns, for a specialised one.
+    pub fn computing(self, ends: Ends) -> Self {
+        Design { compensated: false, ends, ..self }
+    }
+
+    /// Names of the variables that hold a pendulum's state, in the order of the buffer.
+    pub fn state(&self) -> Vec<&'static str> {
+        if self.ends.are_carried() {
+            let moving = ["x1", "y1", "x2", "y2", "p1", "p2", "time", "h"];
+            return [&moving[..], &carried_names(self.ends)].concat();
+        }
+        let all: &[&str] = if self.is_adaptive() { &PHASE } else { &ANGLES };
+        all.iter().filter(|name| self.compensated || !name.ends_with("_low")).copied().collect()
+    }
+
+    /// Numbers of the bobs that the kernel watches, from 1.
+    pub fn watched(&self) -> Vec<usize> {
+        let rule = self.scene.map_or(Rule::Either, |(_, rule)| rule);
+        rule.watched().iter().map(|bob| bob + 1).collect()
+    }
+
+    /// The whole text of the kernel.
+    pub fn text(&self) -> String {
+        let number = number_file(self.precision);
+        let mut maths = BTreeMap::from([("step".to_string(), self.step())]);
+        if self.least_energy().is_some() {
+            maths.insert("energy".to_string(), self.energy());
+        }
+        if self.ends.are_carried() {
+            let file = if self.ends == Ends::Growth { "tangents.wgsl" } else { "nearest.wgsl" };
+            let files = ["shared.wgsl", number, "carried.wgsl", "control.wgsl", file, "turn.wgsl"];
+            return glue(&files, &self.values(maths, String::new()));
+        }
+        if self.is_adaptive() {
+            let steps = match self.scheme {
+                Scheme::Series => ["series.wgsl", "course.wgsl", "series_look.wgsl"],
+                _ => ["control.wgsl", "adaptive.wgsl", "look.wgsl"],
+            };
+            let files = [&["shared.wgsl", number], &steps[..], &["begin.wgsl", "turn.wgsl"]];
+            return glue(&files.concat(), &self.values(maths, String::new()));
+        }
+        for bob in self.watched() {
+            maths.insert(format!("bob{bob}"), self.quintic_of(bob));
+        }
+        let values = self.values(maths, self.may_pass());
+        let look = if self.counts_passes() { "fixed_passes.wgsl" } else { "fixed_look.wgsl" };
+        let files =
+            ["shared.wgsl", number, "flip.wgsl", "fixed.wgsl", look, "begin.wgsl", "turn.wgsl"];
+        glue(&files, &values)
+    }
+
+    /// The energy below which a pendulum is done early, where there is such a bound.
+    fn least_energy(&self) -> Option<f64> {
+        let (pendulum, rule) = self.scene?;
+        least_energy(&pendulum, rule).filter(|_| !self.ends.are_carried())
+    }
+
+    fn values(&self, maths: BTreeMap<String, String>, may_pass: String) -> Values {
+        let order = if self.scheme == Scheme::Fifth { 5 } else { 8 };
+        // The tolerance is data; what is read here does not depend on it.
+        let control = Control::new(1.0, order);
+        let bobs = |suffix: &str| {
+            let one = |bob: &usize| {
+                let part = |name: char| format!("rough({name}{bob}{suffix})");
+                format!("Bob({}, {}, {})", part('x'), part('y'), part('w'))
+            };
+            let mut bobs: Vec<String> = self.watched().iter().map(one).collect();
+            bobs.resize(2, "Bob(1.0, 0.0, 0.0)".to_string());
+            bobs.join(", ")
+        };
+        let number = |value: f64| format!("{value:?}");
+        Values {
+            general: self.scene.is_none(),
+            adaptive: self.is_adaptive(),
+            compensated: self.compensated,
+            subgroups: self.subgroups,
+            moving: self.moving(),
+            pairs: PairValues::new(self.precision, self.pairs),
+            carried: CarriedValues::new(),
+            state: self.state(),
+            watched: self.watched(),
+            bobs: self.watched().len(),
+            counts: self.counts(),
+            befores: bobs(""),
+            nows: bobs("_next"),
+            is_watched: match self.scene {
+                Some(_) => "",
+                None => "(job.watched & (1u << bob)) != 0u && ",
+            },
+            moment: self.moment(),
+            control: ControlValues {
+                far: number(FAR),
+                slack: number(SLACK),
+                exponent: number(control.exponent),
+                safety: number(control.safety),
+                shrink: number(SHRINK),
+                grow: number(GROW),
+                longest: number(LONGEST),
+                terms: ORDER_F64 + 1,
+            },
+            quartic: self.scheme == Scheme::Fifth,
+            bows: self.bows(),
+            maths,
+            texts: TextValues {
+                may_pass,
+                statuses: status_constants(),
+                least_energy: self.least_energy().map(number),
+            },
+        }
+    }
+
+    fn counts(&self) -> CountValues {
+        let mut numbers: Vec<String> = self.watched().iter().map(|bob| format!("{bob}u")).collect();
+        numbers.resize(2, "1u".to_string());
+        CountValues {
+            numbers,
+            counts_turns: self.watched().is_empty()
+                && self.is_adaptive()
+                && !self.ends.are_carried(),
+            counts_passes: self.counts_passes(),
+            passes: self.passes,
+            flip_length: self.flip_length(),
+        }
+    }
+
+    /// Names of the variables that a step changes if it is taken.
+    fn moving(&self) -> Vec<&'static str> {
+        let fixed = [&["h", LOG_SCALE][..], &STARTS, &SEARCH].concat();
+        self.state().into_iter().filter(|name| !fixed.contains(name)).collect()
+    }
+
+    /// Expressions for how the watched bobs' paths bend between the ends of a step, which only
+    /// DOPRI5 gives.
+    fn bows(&self) -> Vec<String> {
+        let bow = |bob: &usize| format!("rough(bow{bob})");
+        let known = self.watched();
+        let mut bows: Vec<String> =
+            if self.scheme == Scheme::Fifth { known.iter().map(bow).collect() } else { Vec::new() };
+        bows.resize(2, "0.0".to_string());
+        bows
+    }
+
+    /// Expression for the number `flip + flip_rest`.
+    fn flip_length(&self) -> &'static str {
+        match self.precision {
+            Precision::F32 => "flip + flip_rest",
+            Precision::Df32 => "fast_two_sum(flip, flip_rest, zero)",
+            _ => "real(flip) + real(flip_rest)",
+        }
+    }
+
+    /// Expression for the reduced time, in two parts, of a flip `flip + flip_rest` into the step.
+    fn moment(&self) -> &'static str {
+        match (self.precision, self.compensated) {
+            (Precision::F32, true) => "vec2<f32>(time, time_low + (flip + flip_rest))",
+            (Precision::F32, false) => "vec2<f32>(time, flip + flip_rest)",
+            (Precision::Df32, _) => "add(time, fast_two_sum(flip, flip_rest, zero), zero)",
+            _ => "to_parts(time + (real(flip) + real(flip_rest)))",
+        }
+    }
+}
+
+fn number_file(precision: Precision) -> &'static str {
+    match precision {
+        Precision::F32 => "f32.wgsl",
+        Precision::Df32 => "df32.wgsl",
+        Precision::F64 | Precision::Dd => "f64.wgsl",
+    }
+}
+
+/// The self-check's text for one number type, with pairs of f32 computed in this way.
+pub fn selfcheck_text(precision: Precision, pairs: Pairs) -> String {
+    let values = SelfcheckValues {
+        compensated: true,
+        pairs: PairValues::new(precision, pairs),
+        maths: maths::selfcheck(precision),
+    };
+    glue(&[number_file(precision), "selfcheck.wgsl"], &values)
+}
+
+/// The text that packs outcomes.
+pub fn pack_text(packing: Packing) -> String {
+    let values = PackValues {
+        words: packing.words(),
+        stepped: packing.is_stepped(),
+        has_rest: packing.has_rest(),
+        statuses: status_constants(),
+    };
+    glue(&["pack.wgsl"], &values)
+}
+
+/// Joins the named files into one text, with `values` filled in.
+fn glue(names: &[&str], values: &impl Serialize) -> String {
+    let mut files = Environment::new();
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build();
+    files.set_syntax(syntax.expect("the ordinary delimiters"));
+    files.set_undefined_behavior(UndefinedBehavior::Strict);
+    for (name, text) in KERNEL_PARTS {
+        files.add_template(name, text).expect("shader files are valid templates");
+    }
+    names
+        .iter()
+        .map(|name| {
+            let file = files.get_template(name).expect("a file of the list");
+            file.render(minijinja::value::Serde(values))
+                .expect("every value that a shader file names is given")
+        })
+        .collect::<Vec<_>>()
+        .join("\n")
+}

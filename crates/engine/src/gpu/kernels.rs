@@ -1,0 +1,288 @@
+//! The kernels that an engine keeps, and the thread that compiles more of them beside its work.
+//!
+//! Behind a window a new scene is answered at once by the general kernel, which reads the scene as
+//! data. Its own kernel is compiled once the scene has rested, so that a slider in motion compiles
+//! nothing. The roundings of the two differ, so a picture is computed by the one it began with.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::device::Gpu;
+use super::kernel::Design;
+use super::pipeline::Kernel;
+use crate::EngineError;
+
+/// Largest number of kernels that an engine keeps. A picture needs one, its checks and the other
+/// questions of a scene a few more; all that is lost with one is the time to compile it again.
+pub const MOST_KERNELS: usize = 24;
+/// Time for which a scene has to stay the same before a kernel is compiled for it.
+const REST: Duration = Duration::from_millis(300);
+
+/// The kernels of one device, and the choice between them for the present picture.
+#[derive(Default)]
+pub(super) struct Kernels {
+    kept: RecentlyUsed<Kernel>,
+    /// The design that computes the present picture's jobs, for each that is made for their scene.
+    choices: Vec<(Design, Design)>,
+    compiler: Option<KernelCompiler>,
+    compile_secs: f64,
+}
+
+impl Kernels {
+    /// The kernel of a design; compiles it if it is not kept.
+    pub(super) fn get(
+        &mut self,
+        gpu: &Gpu,
+        design: Design,
+        workgroup: u32,
+    ) -> Result<Arc<Kernel>, EngineError> {
+        self.collect();
+        if let Some(kernel) = self.kept.get(|kernel| kernel.design == design) {
+            return Ok(kernel);
+        }
+        let begun = Instant::now();
+        let kernel = Kernel::new(gpu, design, workgroup)?;
+        self.compile_secs += begun.elapsed().as_secs_f64();
+        Ok(self.kept.add(kernel))
+    }
+
+    /// Returns true if a design is compiled.
+    pub(super) fn has(&mut self, design: &Design) -> bool {
+        self.collect();
+        self.kept.has(|kernel| kernel.design == *design)
+    }
+
+    /// Begins another picture, for which every choice is open again.
+    pub(super) fn begin_picture(&mut self) {
+        self.choices.clear();
+    }
+
+    /// The design that the present picture was begun with for a scene; none before its first job.
+    pub(super) fn chosen(&self, special: &Design) -> Option<Design> {
+        let chosen = self.choices.iter().find(|(asked, _)| asked == special);
+        chosen.map(|(_, chosen)| *chosen)
+    }
+
+    /// Fixes the design that computes a scene until the next picture.
+    pub(super) fn choose(&mut self, special: Design, chosen: Design) {
+        if self.chosen(&special).is_none() {
+            self.choices.push((special, chosen));
+        }
+    }
+
+    /// Requests that a design be compiled beside the work, unless it is compiled or was the last to be
+    /// requested.
+    pub(super) fn wish(&mut self, gpu: &Gpu, design: Design, workgroup: u32, haste: Haste) {
+        if self.has(&design) {
+            return;
+        }
+        // Without a thread the general kernel stays in use.
+        let compiler = self.compiler.get_or_insert_with(|| KernelCompiler::new(&gpu.device));
+        if compiler.latest != Some(design) {
+            compiler.latest = Some(design);
+            // Nobody listens where the thread could not start or has died.
+            let _ = compiler.wishes.as_ref().map(|to| to.send(Wish { design, workgroup, haste }));
+        }
+    }
+
+    /// Takes the kernels that have been compiled meanwhile.
+    fn collect(&mut self) {
+        let Some(compiler) = &self.compiler else { return };
+        for Compiled { kernel, secs } in compiler.compiled.try_iter() {
+            self.compile_secs += secs;
+            if !self.kept.has(|kept| kept.design == kernel.design) {
+                self.kept.add(kernel);
+            }
+        }
+    }
+
+    /// Forgets all kernels, because their device or their settings are gone.
+    pub(super) fn clear(&mut self) {
+        *self = Kernels { compile_secs: self.compile_secs, ..Kernels::default() };
+    }
+
+    /// Number of kernels kept.
+    pub(super) fn len(&self) -> usize {
+        self.kept.0.len()
+    }
+
+    /// Seconds spent on compiling, on all threads together.
+    pub(super) fn compile_secs(&self) -> f64 {
+        self.compile_secs
+    }
+}
+
+/// The things used most recently, at most [`MOST_KERNELS`], the latest at the end.
+struct RecentlyUsed<T>(Vec<Arc<T>>);
+
+impl<T> Default for RecentlyUsed<T> {
+    fn default() -> Self {
+        RecentlyUsed(Vec::new())
+    }
+}
+
+impl<T> RecentlyUsed<T> {
+    fn has(&self, is_it: impl Fn(&T) -> bool) -> bool {
+        self.0.iter().any(|kept| is_it(kept))
+    }
+
+    /// The first thing that is the one wanted, which counts as its use.
+    fn get(&mut self, is_it: impl Fn(&T) -> bool) -> Option<Arc<T>> {
+        let place = self.0.iter().position(|kept| is_it(kept))?;
+        self.0[place..].rotate_left(1);
+        self.0.last().cloned()
+    }
+
+    /// Adds a thing, in the place of the one that was not used for longest. Who still uses that
+    /// one keeps it alive.
+    fn add(&mut self, thing: T) -> Arc<T> {
+        if self.0.len() >= MOST_KERNELS {
+            self.0.remove(0);
+        }
+        let thing = Arc::new(thing);
+        self.0.push(Arc::clone(&thing));
+        thing
+    }
+}
+
+/// Moment at which a kernel is compiled beside the work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Haste {
+    /// The kernel is compiled as soon as possible.
+    Now,
+    /// The kernel is compiled once no other has been requested for a while.
+    AfterRest,
+}
+
+/// A kernel to compile beside the work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Wish {
+    design: Design,
+    workgroup: u32,
+    haste: Haste,
+}
+
+/// A kernel that was compiled beside the work, with the time that it took.
+struct Compiled {
+    kernel: Kernel,
+    secs: f64,
+}
+
+/// A thread that compiles the kernel wished for last.
+struct KernelCompiler {
+    wishes: Option<Sender<Wish>>,
+    compiled: Receiver<Compiled>,
+    latest: Option<Design>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl KernelCompiler {
+    fn new(device: &wgpu::Device) -> Self {
+        let (wishes, wished) = channel();
+        let (done, compiled) = channel();
+        let device = device.clone();
+        let work = move || {
+            while let Some(wish) = next_wish(&wished, REST) {
+                let begun = Instant::now();
+                match compile(&device, &wish) {
+                    Ok(kernel) => {
+                        let secs = begun.elapsed().as_secs_f64();
+                        if done.send(Compiled { kernel, secs }).is_err() {
+                            return;
+                        }
+                    }
+                    Err(why) => log::warn!("the general kernel stays in use: {why}"),
+                }
+            }
+        };
+        let thread = std::thread::Builder::new().name("kernels".to_string()).spawn(work);
+        let thread = thread.inspect_err(|error| log::warn!("no thread for kernels: {error}")).ok();
+        KernelCompiler { wishes: Some(wishes), compiled, latest: None, thread }
+    }
+}
+
+impl Drop for KernelCompiler {
+    /// Waits for the thread: a driver that is still at work when the process ends may crash it.
+    fn drop(&mut self) {
+        self.wishes = None;
+        // A panic there was reported as it happened.
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}
+
+/// The next wish to be granted, without those that others have replaced; none once nobody can wish
+/// any more.
+fn next_wish(wishes: &Receiver<Wish>, rest: Duration) -> Option<Wish> {
+    let mut wish = wishes.recv().ok()?;
+    while wish.haste == Haste::AfterRest {
+        match wishes.recv_timeout(rest) {
+            Ok(newer) => wish = newer,
+            Err(RecvTimeoutError::Timeout) => break,
+            Err(RecvTimeoutError::Disconnected) => return None,
+        }
+    }
+    Some(wish)
+}
+
+/// Compiles a kernel on a thread whose errors are not those of the engine.
+fn compile(device: &wgpu::Device, wish: &Wish) -> Result<Kernel, String> {
+    use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
+    let scopes = [Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter));
+    let kernel = Kernel::compile(device, wish.design, wish.workgroup);
+    // Every scope has to be closed, the innermost first.
+    let pops = scopes.into_iter().rev().map(|scope| pollster::block_on(scope.pop()));
+    let errors: Vec<wgpu::Error> = pops.flatten().collect();
+    errors.first().map_or(Ok(kernel), |error| Err(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::level::{BALANCED, FAST, LESSON};
+
+    #[test]
+    fn the_kernels_used_last_are_kept() {
+        let mut kept = RecentlyUsed::default();
+        for k in 0..MOST_KERNELS {
+            kept.add(k);
+        }
+        let held = kept.get(|&k| k == 1).unwrap();
+        // The first is used again, so that the third is now the oldest.
+        assert_eq!(kept.get(|&k| k == 0).as_deref(), Some(&0));
+        kept.add(100);
+        kept.add(101);
+        assert_eq!(kept.0.len(), MOST_KERNELS);
+        let has = |k: usize| kept.has(|&kept| kept == k);
+        assert!(has(0) && has(1) && has(100) && has(101) && !has(2) && !has(3) && has(4));
+        for k in 200..200 + MOST_KERNELS {
+            kept.add(k);
+        }
+        assert!(kept.get(|&k| k == 1).is_none());
+        assert_eq!(*held, 1, "what is in use stays alive");
+    }
+
+    fn wish(config: &crate::IntegratorConfig, haste: Haste) -> Wish {
+        Wish { design: Design::general(config, false, false).unwrap(), workgroup: 64, haste }
+    }
+
+    #[test]
+    fn only_the_scene_that_rests_is_compiled() {
+        let (sender, wishes) = channel();
+        let [first, second] = [LESSON, FAST].map(|config| wish(&config, Haste::AfterRest));
+        let rest = Duration::from_millis(50);
+        sender.send(first).unwrap();
+        sender.send(second).unwrap();
+        let begun = Instant::now();
+        assert_eq!(next_wish(&wishes, rest), Some(second));
+        assert!(begun.elapsed() >= rest);
+        let urgent = wish(&BALANCED, Haste::Now);
+        sender.send(urgent).unwrap();
+        assert_eq!(next_wish(&wishes, Duration::from_secs(600)), Some(urgent));
+        // Nobody waits for the rest of a scene when the engine is gone.
+        sender.send(first).unwrap();
+        drop(sender);
+        assert_eq!(next_wish(&wishes, Duration::from_secs(600)), None);
+    }
+}

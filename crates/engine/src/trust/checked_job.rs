@@ -1,0 +1,192 @@
+//! One job on its climb up the ladder.
+
+use rayon::prelude::*;
+
+use super::Trust;
+use super::judge::{Judge, RunResult};
+use super::ladder::{Origin, Run, Rung, ends_of, rungs};
+use crate::{Effort, End, Ends, Job, JobResult, Keep, Starts};
+use flipmap_numbers::Dd;
+use flipmap_pendulum::{Accumulators, Outcome, Status};
+
+/// A job whose starts climb the ladder until they are sure.
+pub(super) struct CheckedJob {
+    job: Job,
+    rungs: Vec<Rung>,
+    /// Half the side of the leaves in rad, for deep starts.
+    leaf_half_rad: Option<f64>,
+    /// Index of the rung that is being computed, from 0.
+    rung: usize,
+    /// Indices of the starts that are not sure, in order: the rung computes these.
+    open: Vec<usize>,
+    /// Runs that have been computed.
+    done: Vec<Done>,
+    /// Finest answer to each start so far.
+    finest: Vec<RunResult>,
+    trusts: Vec<Trust>,
+    effort: Effort,
+}
+
+/// A run and its answers to some of the starts.
+struct Done {
+    /// Index of the run among all runs of the ladder.
+    index: u64,
+    run: Run,
+    /// Indices of these starts, in order.
+    starts: Vec<usize>,
+    answers: Vec<RunResult>,
+}
+
+/// The answer to a start of which nothing is known.
+const UNANSWERED: RunResult =
+    RunResult { outcome: Outcome { status: Status::Unflipped, time: 0.0 }, end: End::NOWHERE };
+
+/// Number of identifiers that a checked job has for the jobs of its runs.
+pub(super) const RUNS: u64 = 32;
+
+impl CheckedJob {
+    /// A checked job of which nothing is known, and its first jobs.
+    pub(super) fn new(job: Job) -> (Self, Vec<Job>) {
+        let job = Job { starts: job.starts.listed(), ..job };
+        let count = job.starts.len();
+        let leaf_half_rad = match &job.starts {
+            Starts::Deep(deep) => Some(deep.half_side()),
+            _ => None,
+        };
+        let case = CheckedJob {
+            rungs: rungs(&job.config, leaf_half_rad),
+            leaf_half_rad,
+            rung: 0,
+            open: (0..count).collect(),
+            done: Vec::new(),
+            finest: vec![UNANSWERED; count],
+            trusts: vec![Trust::Unchecked; count],
+            effort: Effort::default(),
+            job,
+        };
+        let jobs = case.jobs();
+        (case, jobs)
+    }
+
+    /// The jobs of the current rung.
+    fn jobs(&self) -> Vec<Job> {
+        let before = self.runs_up_to(self.rung);
+        let one = |(index, run): (usize, &Run)| Job {
+            id: self.job.id * RUNS + (before + index) as u64,
+            config: run.config,
+            starts: self.starts_of(run),
+            keep: Keep { ends: ends_of(&run.config, self.job.keep.ends), states: false },
+            ..self.job
+        };
+        self.rungs[self.rung].runs.iter().enumerate().map(one).collect()
+    }
+
+    /// Number of runs in the first `rungs` rungs.
+    fn runs_up_to(&self, rungs: usize) -> usize {
+        self.rungs[..rungs].iter().map(|rung| rung.runs.len()).sum()
+    }
+
+    fn starts_of(&self, run: &Run) -> Starts {
+        match &self.job.starts {
+            Starts::Rest(angles) => {
+                let by = run.nudge.map(Dd::new);
+                let moved = |&start: &usize| [0, 1].map(|i| angles[start][i] + by[i]);
+                Starts::Rest(self.open.iter().map(moved).collect())
+            }
+            Starts::Thrown(launches) => {
+                let by = run.nudge.map(Dd::new);
+                let moved = |&start: &usize| launches[start].moved_by(by);
+                Starts::Thrown(self.open.iter().map(moved).collect())
+            }
+            Starts::Mixed { starts, thrown } => {
+                let moved = |&start: &usize| starts[start].moved_by(run.nudge);
+                Starts::Mixed { starts: self.open.iter().map(moved).collect(), thrown: *thrown }
+            }
+            Starts::Deep(deep) => {
+                let strict = run.from == Origin::StrictMap;
+                let some = deep.some(&self.open, strict, run.nudge);
+                match run.from {
+                    Origin::Rest => some.rounded(&self.job.question, self.job.keep.ends),
+                    Origin::Map | Origin::StrictMap => Starts::Deep(some),
+                }
+            }
+            Starts::Upright(_) | Starts::Resumed { .. } | Starts::Moving(_) => {
+                unreachable!("listed or refused when submitted")
+            }
+        }
+    }
+
+    /// Takes a run's answers. Once the rung is complete, returns the jobs of the next one: none if
+    /// every start is sure or the ladder ends.
+    pub(super) fn take(&mut self, index: u64, finished: JobResult) -> Option<Vec<Job>> {
+        self.effort += finished.effort;
+        let run = *self.rungs.iter().flat_map(|rung| &rung.runs).nth(index as usize)?;
+        let wanted = self.job.keep.ends;
+        let is_told = !wanted.are_carried() || ends_of(&run.config, wanted) == wanted;
+        let answer = |(&outcome, &end): (&Outcome, &End)| {
+            let gathered = if is_told { end.gathered } else { Accumulators::UNTOLD };
+            RunResult { outcome, end: End { gathered, ..end } }
+        };
+        let answers: Vec<RunResult> =
+            finished.outcomes.iter().zip(&finished.ends).map(answer).collect();
+        self.done.push(Done { index, run, starts: self.open.clone(), answers });
+        if self.done.len() < self.runs_up_to(self.rung + 1) {
+            return None;
+        }
+        self.decide();
+        self.rung += 1;
+        let over = self.open.is_empty() || self.rung == self.rungs.len();
+        Some(if over { Vec::new() } else { self.jobs() })
+    }
+
+    /// Sorts the open starts into those that are sure by now and those that stay open.
+    fn decide(&mut self) {
+        // Runs finish in any order.
+        self.done.sort_by_key(|done| done.index);
+        let leaf_half_rad = self.leaf_half_rad.unwrap_or(0.0);
+        let judge = Judge::new(&self.job.question, self.job.keep.ends, leaf_half_rad);
+        let verdicts: Vec<(RunResult, bool)> =
+            self.open.par_iter().map(|&start| judge.verdict(&self.answers(start))).collect();
+        let trust = self.rungs[self.rung].trust;
+        for (start, (answer, sure)) in std::mem::take(&mut self.open).into_iter().zip(verdicts) {
+            self.finest[start] = answer;
+            self.trusts[start] = if sure { trust } else { Trust::Uncertain };
+            if !sure {
+                self.open.push(start);
+            }
+        }
+    }
+
+    /// All answers to a start so far.
+    fn answers(&self, start: usize) -> Vec<(Run, RunResult)> {
+        let answer = |done: &Done| {
+            let place = done.starts.binary_search(&start).ok()?;
+            Some((done.run, done.answers[place]))
+        };
+        self.done.iter().filter_map(answer).collect()
+    }
+
+    /// The result of the job.
+    pub(super) fn finish(self) -> JobResult {
+        let ends = match self.job.keep.ends {
+            Ends::None => Vec::new(),
+            _ => self.finest.iter().map(|answer| answer.end).collect(),
+        };
+        JobResult {
+            id: self.job.id,
+            outcomes: self.finest.iter().map(|answer| answer.outcome).collect(),
+            ends,
+            trusts: self.trusts,
+            effort: self.effort,
+            ..JobResult::default()
+        }
+    }
+}
+
+#[cfg(test)]
+impl CheckedJob {
+    /// Returns true if the answer to a start is sure by now.
+    pub(super) fn is_sure(&self, start: usize) -> bool {
+        !matches!(self.trusts[start], Trust::Unchecked | Trust::Uncertain)
+    }
+}

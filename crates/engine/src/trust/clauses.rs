@@ -1,0 +1,184 @@
+//! Every clause of the judge, and what scales a run's error, on answers made up so that the verdict turns
+//! when the clause is left out. Starts for which it turns are in [`super::witnesses`].
+
+use super::judge::{Judge, RunResult};
+use super::ladder::{Origin, Run};
+use crate::level::{BALANCED, FAST};
+use crate::{End, Ends, IntegratorConfig, Method, Precision, Question};
+use flipmap_pendulum::{Accumulators, Outcome, Rule, Status};
+use flipmap_scene::Build;
+
+fn dop853(tolerance: f64) -> IntegratorConfig {
+    IntegratorConfig { method: Method::Dop853 { tolerance }, precision: Precision::F64 }
+}
+
+fn dopri5(tolerance: f64) -> IntegratorConfig {
+    IntegratorConfig { method: Method::Dopri5 { tolerance }, precision: Precision::F64 }
+}
+
+const TAYLOR_DD: IntegratorConfig =
+    IntegratorConfig { method: Method::Taylor { tolerance: 1e-28 }, precision: Precision::Dd };
+
+fn judge(rule: Rule, ends: Ends) -> Judge {
+    let question = Question { build: Build::default(), rule, budget_secs: 30.0, passes: 1 };
+    Judge::new(&question, ends, 1e-10)
+}
+
+/// The answer of a run whose second bob passes the top fast, at a time.
+fn flip_at(time: f64) -> RunResult {
+    let phase = [0.6, 0.8, -1.0, 0.0, 2.0, 3.0];
+    RunResult { outcome: Outcome::flipped(time), end: End { time, phase, ..End::NOWHERE } }
+}
+
+/// The answer of a run that ends its budget with the first bob at a sine.
+fn hangs_at(sine: f64) -> RunResult {
+    let phase = [(1.0 - sine * sine).sqrt(), sine, 1.0, 0.0, 0.0, 0.0];
+    let outcome = Outcome::without_time(Status::Unflipped);
+    RunResult { outcome, end: End { time: 90.0, phase, ..End::NOWHERE } }
+}
+
+fn from_rest(config: IntegratorConfig, answer: RunResult) -> (Run, RunResult) {
+    (Run::new(config, Origin::Rest), answer)
+}
+
+/// Returns true if the answers to the time of a flip are sure.
+fn is_sure(answers: &[(Run, RunResult)]) -> bool {
+    judge(Rule::Second, Ends::None).verdict(answers).1
+}
+
+fn of_status(status: Status) -> RunResult {
+    RunResult { outcome: Outcome::without_time(status), end: End::NOWHERE }
+}
+
+#[test]
+fn agreement_by_accident_must_be_rarer_than_one_in_a_million() {
+    // The chance is 8e-4 of the distance.
+    let by = |apart: f64| {
+        is_sure(&[from_rest(BALANCED, flip_at(5.0)), from_rest(FAST, flip_at(5.0 + apart))])
+    };
+    assert!(by(2.5e-4), "a chance of 2e-7");
+    assert!(!by(6e-3), "a chance of 5e-6");
+}
+
+#[test]
+fn runs_of_one_method_do_not_confirm_each_other() {
+    let other = |config| {
+        is_sure(&[from_rest(BALANCED, flip_at(5.0)), from_rest(config, flip_at(5.0 + 1e-7))])
+    };
+    assert!(other(dopri5(1e-9)));
+    assert!(!other(dop853(1e-9)));
+}
+
+#[test]
+fn runs_after_one_start_map_do_not_confirm_each_other() {
+    let finest = (Run::new(dop853(1e-14), Origin::StrictMap), flip_at(5.0));
+    let other = |from| is_sure(&[finest, (Run::new(FAST, from), flip_at(5.0 + 1e-8))]);
+    assert!(other(Origin::Map));
+    assert!(!other(Origin::StrictMap));
+}
+
+#[test]
+fn a_near_miss_before_the_flip_must_be_told_from_a_crossing() {
+    let missed_by = |clearance: f64| {
+        let missed = |time: f64| {
+            let answer = flip_at(time);
+            RunResult { end: End { clearance, ..answer.end }, ..answer }
+        };
+        is_sure(&[from_rest(BALANCED, missed(5.0)), from_rest(FAST, missed(5.0 + 1e-6))])
+    };
+    assert!(missed_by(1e-3));
+    assert!(!missed_by(1e-7));
+}
+
+#[test]
+fn the_flip_must_be_told_from_a_near_miss() {
+    let pushed = |momentum: f64| {
+        let slow = |time: f64| {
+            let phase = [0.6, 0.8, -1.0, 0.0, -momentum, momentum];
+            RunResult { end: End { phase, ..flip_at(time).end }, ..flip_at(time) }
+        };
+        is_sure(&[from_rest(BALANCED, slow(5.0)), from_rest(FAST, slow(5.0 + 1e-6))])
+    };
+    assert!(pushed(1.0));
+    assert!(!pushed(1e-4));
+}
+
+#[test]
+fn a_run_that_is_far_off_must_be_explained() {
+    // DOPRI5, 2.5e-10 off at its release, tells a growth of 400 or of 40. An error of 3e-7 grown as much, and a
+    // thousand times more by bad luck, is far off only in the first case.
+    let told = |apart: f64| {
+        let far = from_rest(FAST, flip_at(6.0));
+        is_sure(&[
+            from_rest(BALANCED, flip_at(5.0)),
+            from_rest(dopri5(1e-10), flip_at(5.0 + apart)),
+            far,
+        ])
+    };
+    assert!(told(1e-7));
+    assert!(!told(1e-8));
+}
+
+#[test]
+fn equal_answers_are_no_nearer_than_their_scale() {
+    let equal = |tolerance| {
+        is_sure(&[from_rest(dop853(tolerance), flip_at(5.0)), from_rest(FAST, flip_at(5.0))])
+    };
+    assert!(equal(1e-11));
+    assert!(
+        !equal(1e-8),
+        "the finest run's own error is more than one in a million of what is right"
+    );
+}
+
+#[test]
+fn a_run_that_tells_nothing_takes_nothing_away() {
+    // The chance of the middle run would be twice what is certain.
+    let finer = from_rest(dop853(1e-14), flip_at(5.0));
+    let [middle, coarse] = [from_rest(BALANCED, flip_at(5.045)), from_rest(FAST, flip_at(5.022))];
+    assert!(is_sure(&[finer, coarse]));
+    assert!(is_sure(&[finer, middle, coarse]));
+}
+
+#[test]
+fn failed_answers_are_never_sure_and_forbidden_ones_if_all_say_so() {
+    let [failed, forbidden] = [Status::Failed, Status::Forbidden].map(of_status);
+    assert!(!is_sure(&[from_rest(BALANCED, failed), from_rest(FAST, failed)]));
+    assert!(is_sure(&[from_rest(BALANCED, forbidden), from_rest(FAST, forbidden)]));
+    assert!(!is_sure(&[from_rest(BALANCED, forbidden), from_rest(FAST, flip_at(5.0))]));
+}
+
+/// An answer that tells what it gathered, or one that only tells its state.
+fn gathered(answer: RunResult, log_growth: Option<f64>) -> RunResult {
+    let told = |log_growth| Accumulators { log_growth, ..Accumulators::NONE };
+    let gathered = log_growth.map_or(Accumulators::UNTOLD, told);
+    RunResult { end: End { gathered, ..answer.end }, ..answer }
+}
+
+#[test]
+fn growth_is_told_by_a_run_near_the_finest_and_confirmed_by_another_method() {
+    let told = |apart: f64, other: IntegratorConfig, log_growth: f64| {
+        let finest = from_rest(TAYLOR_DD, gathered(hangs_at(0.5), None));
+        let teller = from_rest(BALANCED, gathered(hangs_at(0.5 + apart), Some(20.0)));
+        let second = from_rest(other, gathered(hangs_at(0.5 + apart), Some(log_growth)));
+        judge(Rule::Neither, Ends::Growth).verdict(&[finest, teller, second]).1
+    };
+    let other = dopri5(1e-11);
+    assert!(told(5e-3, other, 20.001));
+    assert!(!told(2e-2, other, 20.001), "the teller ended elsewhere");
+    assert!(!told(5e-3, other, 21.0), "they do not agree");
+    assert!(!told(5e-3, dop853(1e-11), 20.001), "one method");
+}
+
+#[test]
+fn errors_are_no_smaller_than_known_displacements() {
+    let scale =
+        |run: Run, map_error: f64| run.error_scale(&End { map_error, ..End::NOWHERE }, 1e-9);
+    let run = Run::new(dop853(1e-14), Origin::Rest);
+    assert!(scale(run, 0.0) < 1e-13);
+    assert_eq!(scale(run.nudged([6e-5, 8e-5]), 0.0), 1e-4);
+    let map = Run::new(dop853(1e-20), Origin::Map);
+    assert!(scale(map, 0.0) < 2e-15);
+    assert!(scale(map, 1e-5) >= 1e-5, "what the map's polynomials leave out");
+    assert!(scale(map.nudged([0.6, 0.8]), 0.0) >= 1e-9);
+}

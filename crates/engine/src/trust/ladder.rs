@@ -1,0 +1,245 @@
+//! The ladder: computations that a start may need until its answer is sure, from the cheapest up.
+//!
+//! Each has an *error scale*: its expected error (in unit vectors and scaled momenta), taken back
+//! to the release, so that the growth of errors from there to the end turns it into the error at
+//! the end. Only ratios of scales are ever used. They were measured against the gold standard on
+//! the home map, on random scenes and on deep views; `docs/accuracy.md` has the figures.
+
+use super::Trust;
+use crate::level::{BALANCED, FAST, FINEST};
+use crate::{End, Ends, IntegratorConfig, Method, Precision};
+
+/// One way of computing a start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Run {
+    /// Method and precision of the integration.
+    pub config: IntegratorConfig,
+    /// Point at which the integration begins.
+    pub from: Origin,
+    /// Displacement of the start, in rad, or as a share of half a leaf of a start map. Growth acts
+    /// on this small, known displacement as it does on errors.
+    pub nudge: [f64; 2],
+}
+
+/// Point at which a run's own integration begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Origin {
+    /// The release at rest.
+    Rest,
+    /// The end of a start map.
+    Map,
+    /// The end of another start map, with other cuts and smaller errors.
+    StrictMap,
+}
+
+/// Runs on the starts that are left, and the trust of those that become sure by them.
+#[derive(Clone, Debug)]
+pub(super) struct Rung {
+    pub runs: Vec<Run>,
+    pub trust: Trust,
+}
+
+impl Run {
+    pub(super) const fn new(config: IntegratorConfig, from: Origin) -> Self {
+        Run { config, from, nudge: [0.0; 2] }
+    }
+
+    pub(super) const fn nudged(self, nudge: [f64; 2]) -> Self {
+        Run { nudge, ..self }
+    }
+
+    /// Error scale of its configuration from the release, in rad.
+    pub(super) fn scale_from_rest(&self) -> f64 {
+        error_scale(&self.config)
+    }
+
+    /// Returns true if the run shares neither the method nor the start map with another one.
+    pub(super) fn is_independent_of(&self, other: &Run) -> bool {
+        let other_way = self.from != other.from || self.from == Origin::Rest;
+        other_way && self.config.method.name() != other.config.method.name()
+    }
+
+    /// Error scale in rad of this run's answer that ended in `end`; `leaf_half_rad` is half the
+    /// side of the leaves of start maps.
+    pub(super) fn error_scale(&self, end: &End, leaf_half_rad: f64) -> f64 {
+        let nudge = self.nudge[0].hypot(self.nudge[1]);
+        match self.from {
+            Origin::Rest => error_scale(&self.config).max(nudge),
+            Origin::Map | Origin::StrictMap => {
+                let own = error_scale_after_a_map(&self.config) / end.grown;
+                own + (leaf_half_rad * nudge.max(OF_MAPS)).max(end.map_error)
+            }
+        }
+    }
+}
+
+/// Error scale of rounding, whatever the method. That of double-double is below all tolerances that it is
+/// used with, so that no verdict depends on it.
+fn rounding(precision: Precision) -> f64 {
+    match precision {
+        Precision::F32 => 2e-7,
+        Precision::Df32 => 1e-13,
+        Precision::F64 => 1e-15,
+        Precision::Dd => 1e-29,
+    }
+}
+
+/// Approximate error scale of a configuration from the release.
+fn error_scale(config: &IntegratorConfig) -> f64 {
+    rounding(config.precision)
+        + match config.method {
+            Method::Rk4 { .. } => 1e-3,
+            Method::Dopri5 { tolerance } => 2.5 * tolerance,
+            Method::Dop853 { tolerance } => 0.7 * tolerance,
+            Method::Taylor { tolerance } => 0.5 * tolerance,
+            Method::Extrapolation { tolerance } => 0.1 * tolerance,
+        }
+}
+
+/// Approximate error of a configuration that begins after a start map, expressed in the state with
+/// which it begins. That of Taylor expansions is below the map's own error ([`OF_MAPS`]) in all leaves that
+/// are followed, so that no verdict depends on it.
+fn error_scale_after_a_map(config: &IntegratorConfig) -> f64 {
+    rounding(config.precision)
+        + match config.method {
+            Method::Rk4 { .. } => 1e-3,
+            Method::Dopri5 { tolerance } => 10.0 * tolerance,
+            Method::Dop853 { tolerance } => 100.0 * tolerance,
+            Method::Taylor { tolerance } | Method::Extrapolation { tolerance } => tolerance,
+        }
+}
+
+/// Least error of start maps, as a share of half a leaf, whatever their polynomials leave out (see
+/// [`End::map_error`]): rounding errors, and those of their steps.
+const OF_MAPS: f64 = 5e-11;
+
+/// Largest error scale at which a configuration is far enough below a probe in f32 to need no finer
+/// first run.
+const FINE: f64 = 1e-11;
+
+const fn f64_run(method: Method) -> IntegratorConfig {
+    IntegratorConfig { method, precision: Precision::F64 }
+}
+const fn dd_run(method: Method) -> IntegratorConfig {
+    IntegratorConfig { method, precision: Precision::Dd }
+}
+
+/// A configuration finer than `balanced`.
+const FINER: IntegratorConfig = f64_run(Method::Dop853 { tolerance: 1e-14 });
+/// A coarser configuration of another method than [`FINER`].
+const OTHER: IntegratorConfig = f64_run(Method::Dopri5 { tolerance: 1e-10 });
+/// A configuration in double-double, far finer than f64.
+const BEYOND: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-20 });
+/// The finest configuration in double-double.
+const LAST: IntegratorConfig = dd_run(Method::Taylor { tolerance: 1e-28 });
+/// A configuration in double-double that checks [`LAST`].
+const CHECK: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-25 });
+
+/// The rungs to climb, one after the other, as long as a start is not sure; `leaf_half_rad` is half
+/// the side of the leaves of deep starts. The first rung begins with its finest run. Runs that were
+/// made before are left out: that the same run ends in the same place confirms nothing.
+pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Vec<Rung> {
+    let mut rungs = match leaf_half_rad {
+        Some(half) => deep_rungs(half),
+        None => rungs_from_rest(config),
+    };
+    let mut made: Vec<Run> = Vec::new();
+    for rung in &mut rungs {
+        rung.runs.retain(|run| !made.contains(run));
+        made.extend(&rung.runs);
+    }
+    rungs.retain(|rung| !rung.runs.is_empty());
+    rungs
+}
+
+/// The ends that a run returns where these are wanted: plain ones, which confirm the state alone, if it
+/// cannot carry the quantity along, or only in a scalar loop, which takes a hundred times as long as
+/// the other runs.
+pub(super) fn ends_of(config: &IntegratorConfig, wanted: Ends) -> Ends {
+    let is_scalar = wanted.are_carried() && config.method.is_series();
+    let can_carry = !is_scalar && wanted.check(config).is_ok();
+    if wanted == Ends::None || !can_carry { Ends::Plain } else { wanted }
+}
+
+fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {
+    let first = if error_scale(config) <= FINE { *config } else { BALANCED };
+    let probe = match first.method {
+        // Another method than the first one's, with another test for crossings.
+        Method::Dopri5 { tolerance: _ } => IntegratorConfig {
+            method: Method::Dop853 { tolerance: 5e-8 },
+            precision: Precision::F32,
+        },
+        _ => FAST,
+    };
+    let rest = |config| Run::new(config, Origin::Rest);
+    let rung = |trust, runs| Rung { runs, trust };
+    vec![
+        rung(Trust::Agreed, vec![rest(first), rest(probe)]),
+        rung(Trust::Agreed, vec![rest(probe).nudged([2.4e-7, 1.8e-7])]),
+        rung(Trust::Confirmed, vec![rest(FINER), rest(OTHER).nudged([-0.6e-10, 0.8e-10])]),
+        rung(
+            Trust::Confirmed,
+            vec![
+                rest(FINEST),
+                rest(FINER).nudged([0.8e-12, 0.6e-12]),
+                rest(FINER).nudged([-0.6e-12, 0.8e-12]),
+                rest(FINER).nudged([0.28e-12, -0.96e-12]),
+            ],
+        ),
+    ]
+    .into_iter()
+    .chain(rungs_beyond_f64())
+    .collect()
+}
+
+/// The rungs in double-double, from the release. What they cost differs by far: the first takes a
+/// quarter of the second's time.
+fn rungs_beyond_f64() -> impl Iterator<Item = Rung> {
+    [BEYOND, LAST, CHECK].into_iter().map(|config| {
+        let runs = vec![Run::new(config, Origin::Rest)];
+        Rung { runs, trust: Trust::Settled }
+    })
+}
+
+/// Least half side of leaves, in rad, that double-double can tell apart from the release.
+const LEAST_FOR_DD: f64 = 1e-22;
+
+fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
+    let map = |config| Run::new(config, Origin::Map);
+    let strict = |config| Run::new(config, Origin::StrictMap);
+    let rung = |trust, runs| Rung { runs, trust };
+    let mut rungs = vec![
+        rung(Trust::Agreed, vec![strict(FINER), map(FAST)]),
+        rung(Trust::Agreed, vec![map(OTHER).nudged([-0.6e-6, 0.8e-6])]),
+        rung(
+            Trust::Confirmed,
+            vec![
+                map(FINEST),
+                map(FINER).nudged([0.8e-7, 0.6e-7]),
+                strict(FINER).nudged([0.28e-7, -0.96e-7]),
+            ],
+        ),
+    ];
+    if leaf_half_rad >= LEAST_FOR_DD {
+        rungs.extend(rungs_beyond_f64());
+    }
+    rungs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_run_is_its_own_witness() {
+        for first in [BALANCED, FINER, OTHER, FINEST, BEYOND, LAST] {
+            let all: Vec<Run> =
+                rungs(&first, None).into_iter().flat_map(|rung| rung.runs).collect();
+            let rest = |config| Run::new(config, Origin::Rest);
+            for config in [FINER, FINEST, BEYOND, LAST] {
+                let count = all.iter().filter(|run| **run == rest(config)).count();
+                assert_eq!(count, 1, "{config:?} after {first:?}");
+            }
+        }
+    }
+}
