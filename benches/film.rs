@@ -4,13 +4,13 @@
 
 use std::time::Instant;
 
-use flipmap::farm::{Parts, Plan, PlannedOutput, Task, TaskKind, merge, run};
-use flipmap::tiles::Work;
-use flipmap::tiles::preview::preview;
 use flipmap_engine::Engine;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::BALANCED;
+use flipmap_render::farm::{Parts, Plan, PlannedOutput, Task, TaskKind, merge, run};
+use flipmap_render::tiles::Work;
+use flipmap_render::tiles::preview::preview;
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key};
 use flipmap_scene::{BuiltIn, Document, Sampling};

@@ -4,10 +4,10 @@
 
 use std::time::Instant;
 
-use flipmap::output::{Paths, RenderClock, Sinks, pass_work, render_pass};
-use flipmap::tiles::Renderer;
 use flipmap_engine::mock::MockEngine;
 use flipmap_engine::{Cells, IntegratorConfig, Method, Precision};
+use flipmap_render::output::{Paths, RenderClock, Sinks, pass_work, render_pass};
+use flipmap_render::tiles::Renderer;
 use flipmap_scene::{BuiltIn, Document, Sampling};
 
 /// Samples of a pixel, and pixels along a side.

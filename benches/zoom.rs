@@ -3,12 +3,12 @@
 
 use std::time::Instant;
 
-use flipmap::tiles::Work;
-use flipmap::tiles::preview::preview;
 use flipmap_engine::Engine;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::BALANCED;
+use flipmap_render::tiles::Work;
+use flipmap_render::tiles::preview::preview;
 use flipmap_scene::{Scene, View};
 
 const SIDE: u32 = 512;

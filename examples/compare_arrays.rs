@@ -2,9 +2,9 @@
 //!
 //! `cargo run --release --example compare_arrays`
 
-use flipmap::tiles::{Renderer, Samples};
 use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap_engine::{Accuracy, EngineKind};
+use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::Scene;
 
 const SIZE: [u32; 2] = [48, 48];

@@ -2,10 +2,10 @@
 //!
 //! `cargo run --release --example custom_palette` writes `rainbow.png`.
 
-use flipmap::tiles::Renderer;
 use flipmap_engine::EngineKind;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_render::tiles::Renderer;
 use flipmap_scene::Scene;
 use image::{Rgb, RgbImage};
 

@@ -4,10 +4,10 @@
 
 use std::fs::File;
 
-use flipmap::output::NpyWriter;
-use flipmap::tiles::Renderer;
 use flipmap_engine::EngineKind;
 use flipmap_engine::choice::EngineRequest;
+use flipmap_render::output::NpyWriter;
+use flipmap_render::tiles::Renderer;
 use flipmap_scene::Document;
 
 const SIZE: [u32; 2] = [96, 64];

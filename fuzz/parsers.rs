@@ -4,13 +4,13 @@
 
 use std::io::Cursor;
 
-use flipmap::farm::{PartForm, PartForms, Parts, Plan};
-use flipmap::film::Frames;
-use flipmap::output::compare::{ResultRows, Yardstick, compare};
-use flipmap::output::{RenderState, document_in_png};
 use flipmap_engine::Accuracy;
 use flipmap_engine::profile::Profile;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_render::farm::{PartForm, PartForms, Parts, Plan};
+use flipmap_render::film::Frames;
+use flipmap_render::output::compare::{ResultRows, Yardstick, compare};
+use flipmap_render::output::{RenderState, document_in_png};
 use flipmap_scene::keys::Keys;
 use flipmap_scene::palette::gradient::{ENDINGS, list_text, parse_file, parse_list};
 use flipmap_scene::{Document, in_rad, location};

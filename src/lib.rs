@@ -12,7 +12,7 @@
 //! use flipmap_engine::choice::EngineRequest;
 //! use flipmap_engine::EngineKind;
 //! use flipmap_scene::Document;
-//! use flipmap::tiles::Renderer;
+//! use flipmap_render::tiles::Renderer;
 //!
 //! let scene = Document::parse("[view]\ncenter = [\"2\", \"1.4\"]\nwidth = \"0.1\"")?.scene();
 //! let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
@@ -61,10 +61,6 @@
 
 #[cfg(feature = "window")]
 pub mod app;
-pub mod farm;
-pub mod film;
 #[cfg(feature = "window")]
 pub mod lab;
-pub mod output;
 pub mod report;
-pub mod tiles;

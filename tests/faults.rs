@@ -321,7 +321,7 @@ fn forged_parts_and_plans_are_refused_by_name() {
     let (head, rest) = text.split_once("sha256 = \"").unwrap();
     let (_, tail) = rest.split_once('"').unwrap();
     let unsigned = format!("{head}sha256 = \"\"{tail}");
-    let digest = flipmap::output::sha256(unsigned.as_bytes());
+    let digest = flipmap_render::output::sha256(unsigned.as_bytes());
     fs::write(at("f.toml"), format!("{head}sha256 = \"{digest}\"{tail}")).unwrap();
     for words in [&["verify", "f.toml"][..], &["merge", "f.toml", "-o", "f"]] {
         let error = refused(&folder, 2, words);
@@ -386,7 +386,7 @@ fn the_page_of_a_pyramid_escapes_what_a_scene_says() {
     let mut document = flipmap_scene::Document::default();
     document.run.method = Some(hostile.to_string());
     let path = folder.path().join("tiles");
-    flipmap::output::Pyramid::create(&path, [1, 1], &document)
+    flipmap_render::output::Pyramid::create(&path, [1, 1], &document)
         .and_then(|mut tiles| {
             tiles.write(&[0; 3]).unwrap();
             tiles.complete().unwrap().finish()

@@ -5,10 +5,10 @@ use std::io::BufReader;
 use std::path::Path;
 use std::sync::Mutex;
 
-use flipmap::output::{Paths, RenderClock, Sinks, render_pass};
-use flipmap::tiles::{Counts, Work};
 use flipmap_engine::mock::MockEngine;
 use flipmap_engine::{IntegratorConfig, Method, Precision};
+use flipmap_render::output::{Paths, RenderClock, Sinks, render_pass};
+use flipmap_render::tiles::{Counts, Work};
 use flipmap_scene::{Document, Sampling};
 
 const CONFIG: IntegratorConfig =

@@ -5,10 +5,10 @@ use std::time::Instant;
 use flipmap_engine::EngineKind;
 use flipmap_engine::choice::{ChoiceError, EngineRequest};
 use flipmap_engine::run_settings::RunSpec;
-use flipmap::output::number_of;
+use flipmap_render::output::number_of;
 use flipmap_scene::question::Channel;
 use flipmap_scene::{PictureTable, RunTable};
-use flipmap::tiles::{Renderer, Samples};
+use flipmap_render::tiles::{Renderer, Samples};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -97,7 +97,7 @@ pub(crate) fn render<'py>(
             config.method.name(),
             config.precision
         );
-        let go_on = |counts: &flipmap::tiles::Counts| clock.go_on(counts.pixels);
+        let go_on = |counts: &flipmap_render::tiles::Counts| clock.go_on(counts.pixels);
         let samples = renderer.render_while(&document.scene(), size, &go_on).map_err(failed)?;
         Ok::<_, PyErr>((samples, about))
     });

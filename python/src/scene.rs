@@ -1,6 +1,6 @@
 //! A scene from what Python says: a name, a file or a text, and words.
 
-use flipmap::output::named_document;
+use flipmap_render::output::named_document;
 use flipmap_scene::{BuiltIn, Document, Word};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -1,6 +1,6 @@
 //! `trace`: one pendulum, by the gold standard in double-double.
 
-use flipmap::output::{Advance, Trace, launch_from_text};
+use flipmap_render::output::{Advance, Trace, launch_from_text};
 use flipmap_numbers::{Dd, Scalar};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

@@ -4,13 +4,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::tiles::Renderer;
-use crate::tiles::explorer::Explorer;
-use crate::tiles::view_target::ViewTarget;
 use flipmap_engine::background::{self, Background, PendingEngine};
 use flipmap_engine::choice::{self, Chosen, EngineRequest, IntegrationSetting};
 use flipmap_engine::profile::Profile;
 use flipmap_engine::{Engine, EngineKind, GpuTuning, IntegratorConfig};
+use flipmap_render::tiles::Renderer;
+use flipmap_render::tiles::explorer::Explorer;
+use flipmap_render::tiles::view_target::ViewTarget;
 
 /// Wakes the window from any thread.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -332,8 +332,8 @@ pub(super) fn step_back() {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tiles::view_target::Physics;
     use flipmap_engine::Accuracy;
+    use flipmap_render::tiles::view_target::Physics;
     use flipmap_scene::Scene;
     use flipmap_scene::lattice::Region;
 

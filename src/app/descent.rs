@@ -10,11 +10,11 @@ use super::compute_service::{Wake, step_back};
 use super::model::AppModel;
 use super::panels::descent::DescentAction;
 use super::reach::Reach;
-use crate::tiles::descent::{Descent, DescentStep};
-use crate::tiles::explorer::ViewProgress;
-use crate::tiles::view_target::ViewTarget;
 use flipmap_engine::choice::{ChoiceError, EngineRequest, choose};
 use flipmap_engine::{EngineError, EngineKind};
+use flipmap_render::tiles::descent::{Descent, DescentStep};
+use flipmap_render::tiles::explorer::ViewProgress;
+use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::{Document, Scene};
 
 /// A descent on a thread with an engine of its own. Dropping it stops the descent.

@@ -12,8 +12,8 @@ use super::panels::places::PlaceAction;
 use super::pin_start::PinStart;
 use super::state::Effect;
 use super::view_samples;
-use crate::output::Picture;
 use flipmap_numbers::Theta;
+use flipmap_render::output::Picture;
 use flipmap_scene::palette::{AnswerColours, equalised};
 use flipmap_scene::{PictureTable, Scale};
 

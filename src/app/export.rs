@@ -8,11 +8,11 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::film_run::{FilmRequest, FilmRunError, film};
-use crate::output::{Paths, PictureRecipe, RenderError, Watch, is_one_file, sentence};
-use crate::tiles::Renderer;
 use flipmap_engine::Cells;
 use flipmap_engine::choice::{EngineRequest, choose};
 use flipmap_engine::run_settings::{RunSettingsError, RunSpec};
+use flipmap_render::output::{Paths, PictureRecipe, RenderError, Watch, is_one_file, sentence};
+use flipmap_render::tiles::Renderer;
 use flipmap_scene::{Document, DocumentError, RunTable};
 
 /// The content of an exported file.
@@ -322,7 +322,7 @@ mod tests {
         woken.recv().unwrap();
         assert!(matches!(export.wait(), ExportStage::Done { .. }));
         let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
-        let picture = crate::output::picture_in_png(file, 99).unwrap();
+        let picture = flipmap_render::output::picture_in_png(file, 99).unwrap();
         assert_eq!(picture.size, [48, 32]);
         assert_eq!(picture.document.run.accuracy.as_deref(), Some("fast"));
         assert!(picture.rgb.chunks(3).any(|rgb| rgb != &picture.rgb[..3]));

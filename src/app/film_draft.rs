@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::flight::playback::Playback;
-use crate::output::{Destination, SafeFile, read_text};
+use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::film::{Film, FilmError};
 use flipmap_scene::keys::{Easing, Key, Keys};
 use flipmap_scene::{Budget, Document, QuestionTable, Scene};

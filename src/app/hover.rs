@@ -1,10 +1,10 @@
 //! The sample under the pointer.
 
-use crate::tiles::Stride;
-use crate::tiles::explorer::Explorer;
 use flipmap_engine::Trust;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_render::tiles::Stride;
+use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::Turn;
 use flipmap_scene::lattice::{Cell, SIDE};
 use flipmap_scene::question::MOST_CHANNELS;

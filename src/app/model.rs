@@ -32,9 +32,9 @@ use super::settings::{Appearance, Loaded, Settings, Store};
 use super::state::{AppState, Effect};
 use super::swing::HoverSwing;
 use crate::lab::{Figure, Lab};
-use crate::tiles::explorer::ViewProgress;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::run_settings::RunSpec;
+use flipmap_render::tiles::explorer::ViewProgress;
 use flipmap_scene::{BuiltIn, Document, PictureTable, RunTable};
 
 /// Options for opening a window.
@@ -372,7 +372,7 @@ impl AppModel {
 
     /// Shows a file: a picture written by this program, or a scene.
     pub(super) fn open(&mut self, path: &Path) {
-        if let Some(gradient) = crate::output::read_gradient(path) {
+        if let Some(gradient) = flipmap_render::output::read_gradient(path) {
             match gradient {
                 Ok(palette) => {
                     self.state.picture = PictureTable { palette, ..self.state.picture.clone() };
@@ -381,7 +381,7 @@ impl AppModel {
             }
             return;
         }
-        match crate::output::read_document(path) {
+        match flipmap_render::output::read_document(path) {
             Ok(document) => {
                 self.settings.remember(path);
                 if let Some(effect) = self.state.apply(Action::Show(Box::new(document))) {

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::tiles::explorer::ViewProgress;
+use flipmap_render::tiles::explorer::ViewProgress;
 
 /// Least time that new tiles alone wait for a frame.
 const LEAST: Duration = Duration::from_millis(120);

@@ -9,13 +9,13 @@ use super::auto_budget::AutoBudget;
 use super::compute_service::Wake;
 use super::model::AppModel;
 use super::time_left::TimeLeft;
-use crate::tiles::outlook;
-use crate::tiles::view_target::ViewTarget;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::trust::Outlook;
 use flipmap_engine::{Accuracy, Cells, EngineError, IntegratorConfig};
+use flipmap_render::tiles::outlook;
+use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::Scene;
 
 /// Width and height in pixels of the picture that stands for the view.
@@ -138,9 +138,9 @@ fn look(
 mod tests {
     use super::*;
     use crate::app::compute_service::woken;
-    use crate::tiles::view_target::Physics;
     use flipmap_engine::level::BALANCED;
     use flipmap_numbers::Theta;
+    use flipmap_render::tiles::view_target::Physics;
     use flipmap_scene::lattice::Region;
     use flipmap_scene::{Budget, QuestionTable};
     use std::time::Duration;

@@ -4,8 +4,8 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use glam::DVec2;
 
 use super::camera::Screen;
-use crate::tiles::explorer::MOST_CELLS;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_render::tiles::explorer::MOST_CELLS;
 use flipmap_scene::Axis;
 use flipmap_scene::lattice::side_rad;
 

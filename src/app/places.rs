@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::folders::Folders;
-use crate::output::{
+use flipmap_render::output::{
     Destination, Picture, PngError, PngWriter, SafeFile, open_plain, picture_in_png,
 };
 

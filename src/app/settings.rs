@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::folders::Folders;
-use crate::output::{Destination, SafeFile, read_text};
+use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::Document;
 
 /// The appearance of the window.

@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::model::AppModel;
 use super::view_samples;
-use crate::tiles::Stride;
+use flipmap_render::tiles::Stride;
 use flipmap_scene::PictureTable;
 use flipmap_scene::palette::equalised;
 

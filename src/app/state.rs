@@ -16,11 +16,11 @@ use super::pins::{PinAction, Pins};
 use super::reach::Reach;
 use super::settings::{Appearance, Layers, Settings};
 use crate::lab::Figure;
-use crate::tiles::view_target::{Physics, ViewTarget};
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::{Accuracy, IntegratorConfig};
 use flipmap_numbers::Theta;
 use flipmap_pendulum::State;
+use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::{Build, Document, PictureTable, Plane, QuestionTable, Scene};
 
 /// A panel or window that opens over or beside the map.

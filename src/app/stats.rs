@@ -6,9 +6,9 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::model::AppModel;
-use crate::output::{Destination, SafeFile};
-use crate::tiles::explorer::ViewProgress;
 use flipmap_numbers::Scalar;
+use flipmap_render::output::{Destination, SafeFile};
+use flipmap_render::tiles::explorer::ViewProgress;
 use flipmap_scene::location;
 
 /// Measurements since the window was opened.

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::camera::Camera;
-use crate::tiles::explorer::ViewProgress;
+use flipmap_render::tiles::explorer::ViewProgress;
 
 /// The progress of the newest view since it was first aimed at.
 #[derive(Debug, Default)]

@@ -4,9 +4,9 @@ use glam::DVec2;
 
 use super::camera::Screen;
 use super::hover::{Answer, known_near};
-use crate::tiles::Stride;
-use crate::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_render::tiles::Stride;
+use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::palette::AnswerColours;
 

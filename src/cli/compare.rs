@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
-use flipmap::output::{PictureFile, SafeFile, read_document};
+use flipmap_render::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
+use flipmap_render::output::{PictureFile, SafeFile, read_document};
 use flipmap_scene::QuestionTable;
 use flipmap_scene::question::Ask;
 

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use flipmap::output::{Destination, RenderState, RunRecord, SafeFile, read_plain};
-use flipmap::tiles::SavedPixels;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::{Engine, EngineKind, IntegratorConfig};
+use flipmap_render::output::{Destination, RenderState, RunRecord, SafeFile, read_plain};
+use flipmap_render::tiles::SavedPixels;
 use flipmap_scene::Document;
 
 use super::exit::Exit;

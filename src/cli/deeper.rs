@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::output::{Destination, SafeFile, is_stdout};
-use flipmap::tiles::descent::{Descent, DescentStep};
 use flipmap_engine::choice::Chosen;
+use flipmap_render::output::{Destination, SafeFile, is_stdout};
+use flipmap_render::tiles::descent::{Descent, DescentStep};
 use flipmap_scene::keys::{Easing, Keys};
 use flipmap_scene::{LEAST_WIDTH, Scene, location};
 

@@ -1,7 +1,7 @@
 //! Reports on deep pictures: the digits used, the horizon, and where structure ends.
 
-use flipmap::tiles::Counts;
 use flipmap_engine::{DepthStats, IntegratorConfig};
+use flipmap_render::tiles::Counts;
 use flipmap_scene::{Budget, Scene};
 
 /// Statistics of deep pixels as a JSON object.

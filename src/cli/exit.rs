@@ -3,9 +3,9 @@
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use flipmap::output;
 use flipmap_engine::EngineError;
 use flipmap_engine::choice::ChoiceError;
+use flipmap_render::output;
 use flipmap_scene::{DocumentError, SceneError};
 
 use super::option_names::with_options;

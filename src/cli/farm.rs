@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use flipmap::farm::merge::{self, FilmSink, MergeError};
-use flipmap::farm::{Parts, Plan, RunError, Task, TaskKind, WorkPiece, run};
-use flipmap::film::ffmpeg::Codec;
-use flipmap::output::{read_text, shell_word};
-use flipmap::tiles::{Counts, Renderer};
 use flipmap_engine::Cells;
 use flipmap_engine::choice::{Chosen, EngineRequest};
+use flipmap_render::farm::merge::{self, FilmSink, MergeError};
+use flipmap_render::farm::{Parts, Plan, RunError, Task, TaskKind, WorkPiece, run};
+use flipmap_render::film::ffmpeg::Codec;
+use flipmap_render::output::{read_text, shell_word};
+use flipmap_render::tiles::{Counts, Renderer};
 use flipmap_scene::film::{Film, FilmKind};
 use flipmap_scene::palette::Palette;
 use flipmap_scene::{Document, Sampling};

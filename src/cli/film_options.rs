@@ -4,9 +4,9 @@ use std::path::Path;
 use std::str::FromStr;
 
 use clap::Args;
-use flipmap::output::read_text;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_numbers::Decimal;
+use flipmap_render::output::read_text;
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key, Keys};
 use flipmap_scene::question::Ask;

@@ -1,12 +1,12 @@
 //! Films whose frames are made one after another: states as their time goes on, with every trajectory
 //! computed once, and stills of any question.
 
-use flipmap::farm::merge::FilmSink;
-use flipmap::output::RowPainter;
-use flipmap::tiles::Renderer;
-use flipmap::tiles::moments::Moments;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::{Cells, IntegratorConfig};
+use flipmap_render::farm::merge::FilmSink;
+use flipmap_render::output::RowPainter;
+use flipmap_render::tiles::Renderer;
+use flipmap_render::tiles::moments::Moments;
 use flipmap_scene::film::{Film, Shot};
 
 use super::exit::Exit;

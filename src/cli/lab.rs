@@ -7,7 +7,7 @@ use clap::Args;
 use flipmap::lab::home::home_map;
 use flipmap::lab::still::{Still, draw, still};
 use flipmap::lab::{Figure, Lab, flips};
-use flipmap::output::PictureFile;
+use flipmap_render::output::PictureFile;
 
 use super::exit::Exit;
 use super::options::number;

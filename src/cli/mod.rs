@@ -41,7 +41,7 @@ use anyhow::Context;
 #[cfg(not(feature = "window"))]
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
-use flipmap::output::{Destination, SafeFile};
+use flipmap_render::output::{Destination, SafeFile};
 
 /// Draw every possible double pendulum at once: each pixel is a pendulum released from rest at
 /// (θ1, θ2), coloured by the time until its second bob flips over the top.
@@ -153,7 +153,7 @@ fn say(text: &str) -> anyhow::Result<()> {
 
 /// Prints a line on standard output as long as anybody reads it, where the exit code tells the same.
 fn say_if_heard(text: &str) -> anyhow::Result<()> {
-    say(text).or_else(|error| match flipmap::output::is_broken_pipe(error.as_ref()) {
+    say(text).or_else(|error| match flipmap_render::output::is_broken_pipe(error.as_ref()) {
         true => Ok(()),
         false => Err(error),
     })

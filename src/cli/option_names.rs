@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use clap::CommandFactory;
-use flipmap::output::Paths;
+use flipmap_render::output::Paths;
 
 use super::Cli;
 use super::same_file::Named;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use clap::builder::Resettable;
-use flipmap::output::named_document;
+use flipmap_render::output::named_document;
 use flipmap_scene::{BuiltIn, Document, SceneError, Word};
 
 use super::exit::Exit;

@@ -4,7 +4,7 @@ use std::io::{IsTerminal, stdout};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use flipmap::output::{Paths, is_stdout};
+use flipmap_render::output::{Paths, is_stdout};
 
 use super::exit::Exit;
 use super::option_names::by_option;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use clap::Args;
-use flipmap::output::read_gradient;
+use flipmap_render::output::read_gradient;
 use flipmap_scene::palette::Palette;
 use flipmap_scene::{Document, PictureTable, Sampling, Scale};
 

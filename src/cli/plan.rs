@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::farm::merge::{self, MergeError};
-use flipmap::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
-use flipmap::output::{Paths, read_text, shell_word};
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::run_settings::RunSpec;
+use flipmap_render::farm::merge::{self, MergeError};
+use flipmap_render::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
+use flipmap_render::output::{Paths, read_text, shell_word};
 use flipmap_scene::film::FilmKind;
 use flipmap_scene::{Document, Sampling};
 

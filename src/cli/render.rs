@@ -6,13 +6,13 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use flipmap::output::{PictureRecipe, RenderError, RenderedPicture, Watch};
-use flipmap::tiles::{self, Counts, Renderer, SavedPixels};
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::depth::Following;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::trust::{Opinion, Outlook};
 use flipmap_engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
+use flipmap_render::output::{PictureRecipe, RenderError, RenderedPicture, Watch};
+use flipmap_render::tiles::{self, Counts, Renderer, SavedPixels};
 use flipmap_scene::{Document, Grid, Sampling, Scene};
 
 use super::continued::Continued;

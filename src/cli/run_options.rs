@@ -1,10 +1,10 @@
 //! The options that control how a scene is computed, and their conversion into a setting.
 
 use clap::{Args, ValueEnum};
-use flipmap::tiles;
 use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::{EngineKind, GpuTuning, IntegratorConfig};
+use flipmap_render::tiles;
 use flipmap_scene::{Document, PictureTable, RunTable, Scene};
 
 use super::exit::Exit;

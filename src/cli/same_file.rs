@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use flipmap::film::Frames;
-use flipmap::output::{is_one_file, is_stdout};
+use flipmap_render::film::Frames;
+use flipmap_render::output::{is_one_file, is_stdout};
 
 use super::exit::Exit;
 

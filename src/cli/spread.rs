@@ -1,10 +1,10 @@
 //! Spreads colours over a view's own times: at depth these lie so close together that a palette
 //! over the whole budget would show a single colour.
 
-use flipmap::tiles::Work;
-use flipmap::tiles::preview::preview;
 use flipmap_engine::{Engine, IntegratorConfig};
 use flipmap_pendulum::Status;
+use flipmap_render::tiles::Work;
+use flipmap_render::tiles::preview::preview;
 use flipmap_scene::palette::equalised;
 use flipmap_scene::{Document, PictureTable};
 

@@ -6,7 +6,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use flipmap::output::stop_writing_when;
+use flipmap_render::output::stop_writing_when;
 
 use super::exit::Exit;
 

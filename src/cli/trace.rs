@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::output::{Advance, Destination, SafeFile, Trace, is_stdout, launch_from_text};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::passes::Pass;
+use flipmap_render::output::{Advance, Destination, SafeFile, Trace, is_stdout, launch_from_text};
 
 use super::exit::Exit;
 use super::options::SceneOptions;

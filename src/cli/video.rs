@@ -4,11 +4,11 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use flipmap::farm::merge::legend;
-use flipmap::farm::{Plan, PlannedOutput, Task};
-use flipmap::film::ffmpeg::{Codec, arguments};
-use flipmap::output::{Destination, SafeFile, read_text};
 use flipmap_engine::choice::Chosen;
+use flipmap_render::farm::merge::legend;
+use flipmap_render::farm::{Plan, PlannedOutput, Task};
+use flipmap_render::film::ffmpeg::{Codec, arguments};
+use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::film::{Film, FilmKind};
 
 use super::exit::Exit;

@@ -3,11 +3,11 @@
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
 use super::flips::Seen;
-use crate::output::RowPainter;
-use crate::tiles::{Renderer, Samples};
 use flipmap_engine::choice::{ChoiceError, EngineRequest, IntegrationSetting};
 use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_pendulum::Status;
+use flipmap_render::output::RowPainter;
+use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::{BuiltIn, Document, Grid, Scene};
 
 /// A small picture of the whole torus.

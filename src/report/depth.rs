@@ -15,12 +15,12 @@ use super::measure::Bench;
 use super::plan::BALANCED;
 use super::statistics::{Errors, median};
 use super::{ReportError, StopTest, as_words};
-use crate::tiles::preview::preview;
-use crate::tiles::{Samples, Work};
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::{Cells, Effort, Engine, IntegratorConfig};
 use flipmap_numbers::{Fixed, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Pendulum, oracle};
+use flipmap_render::tiles::preview::preview;
+use flipmap_render::tiles::{Samples, Work};
 use flipmap_scene::{Scene, View};
 
 /// A view on a filament, found by zooming in from (1.0, 2.0).

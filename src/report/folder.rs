@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::{Report, ReportError, html, markdown, pages};
-use crate::output::{Destination, SafeFile, read_text};
+use flipmap_render::output::{Destination, SafeFile, read_text};
 
 /// Names of the files.
 pub(super) const NAMES: [&str; 3] = ["report.json", "report.md", "report.html"];

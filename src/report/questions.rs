@@ -12,11 +12,11 @@ use super::measure::Bench;
 use super::question_truth::true_answer;
 use super::statistics::quantile;
 use super::{ReportError, StopTest, as_words};
-use crate::tiles::preview::preview;
-use crate::tiles::{Samples, Work};
 use flipmap_engine::IntegratorConfig;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{State, Status};
+use flipmap_render::tiles::preview::preview;
+use flipmap_render::tiles::{Samples, Work};
 use flipmap_scene::question::{Ask, Judgement};
 use flipmap_scene::{Budget, Fate, Grid, QuestionTable, Scene};
 

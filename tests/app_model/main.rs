@@ -23,10 +23,10 @@ use flipmap::app::folders::Folders;
 use flipmap::app::model::{AppModel, WindowOptions};
 use flipmap::app::settings::{EdgeSamples, Theme};
 use flipmap::lab::Figure;
-use flipmap::tiles::Counts;
 use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_numbers::Scalar;
+use flipmap_render::tiles::Counts;
 use flipmap_scene::{BuiltIn, Document, RunTable, location};
 
 type Desktop = Harness<'static, AppModel>;

@@ -1,6 +1,6 @@
 //! New tiles appear gradually over those that stood in for them.
 
-use flipmap::tiles::explorer::Explorer;
+use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::palette::Rgb;
 
 use crate::doubtful::Doubtful;

@@ -1,9 +1,9 @@
 //! Finer samples at edges: a pixel has the mean light of all of them.
 
-use flipmap::tiles::cache::TILE_BYTES;
-use flipmap::tiles::explorer::Explorer;
-use flipmap::tiles::view_target::ViewTarget;
 use flipmap_numbers::Dd;
+use flipmap_render::tiles::cache::TILE_BYTES;
+use flipmap_render::tiles::explorer::Explorer;
+use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::lattice::pitch_rad;
 use flipmap_scene::palette::{Rgb, Tones, light};
 use flipmap_scene::{Grid, Scene};

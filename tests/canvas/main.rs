@@ -19,13 +19,13 @@ use finer::encoded;
 use flipmap::app::camera::{Camera, Screen};
 use flipmap::app::hover::sample_at;
 use flipmap::app::reach::Reach;
-use flipmap::tiles::cache::TILE_BYTES;
-use flipmap::tiles::explorer::Explorer;
-use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap_engine::mock::MockEngine;
 use flipmap_engine::{IntegratorConfig, Method, Precision, Question};
 use flipmap_numbers::{Dd, Decimal, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_render::tiles::cache::TILE_BYTES;
+use flipmap_render::tiles::explorer::Explorer;
+use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use flipmap_scene::palette::{FAILED, Ground, Rgb, Tones, equalised, light};
 use flipmap_scene::{

@@ -4,8 +4,8 @@ use flipmap::app::camera::Screen;
 use flipmap::app::canvas::colours::{CardColours, colours};
 use flipmap::app::canvas::pipeline::Canvas;
 use flipmap::app::canvas::{LAYERS, MapRenderer};
-use flipmap::tiles::explorer::Explorer;
 use flipmap_engine::gpu::device::Gpu;
+use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::{PictureTable, Scene};
 
 use crate::common::gpu_engine;

@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use flipmap::app::hover::known_at;
-use flipmap::tiles::cache::TILE_BYTES;
-use flipmap::tiles::explorer::Explorer;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_render::tiles::cache::TILE_BYTES;
+use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::PictureTable;
 use flipmap_scene::lattice::Cell;
 use glam::DVec2;

@@ -2,17 +2,17 @@
 //! same light from the side.
 
 use flipmap::app::camera::Screen;
-use flipmap::output::{RowOrder, RowPainter};
-use flipmap::tiles::cache::TILE_BYTES;
-use flipmap::tiles::explorer::Explorer;
-use flipmap::tiles::view_target::{Physics, ViewTarget};
-use flipmap::tiles::{Samples, Work};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::BALANCED;
 use flipmap_engine::{Engine, IntegratorConfig};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
+use flipmap_render::output::{RowOrder, RowPainter};
+use flipmap_render::tiles::cache::TILE_BYTES;
+use flipmap_render::tiles::explorer::Explorer;
+use flipmap_render::tiles::view_target::{Physics, ViewTarget};
+use flipmap_render::tiles::{Samples, Work};
 use flipmap_scene::lattice::{Cell, pitch_rad, side_rad};
 use flipmap_scene::palette::equalised;
 use flipmap_scene::{BuiltIn, PictureTable, Scene};

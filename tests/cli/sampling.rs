@@ -5,9 +5,9 @@ use std::fs;
 use std::path::Path;
 
 use crate::program::{done, refused};
-use flipmap::tiles::{Renderer, Samples};
 use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap_engine::{Accuracy, EngineKind};
+use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::palette::{AnswerColours, Tint, encoded, light, rounded};
 use flipmap_scene::{BuiltIn, Document, Scene};
 use tempfile::TempDir;

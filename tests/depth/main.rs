@@ -5,7 +5,6 @@ mod rims;
 
 use std::time::{Duration, Instant};
 
-use flipmap::tiles::{Samples, Work};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::{DepthEngine, Following};
 use flipmap_engine::level::{BALANCED, FAST};
@@ -16,6 +15,7 @@ use flipmap_engine::{
 };
 use flipmap_numbers::{Fixed, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status, oracle};
+use flipmap_render::tiles::{Samples, Work};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::{Budget, ExactPlane, Grid, Kind, Scene, View};
 

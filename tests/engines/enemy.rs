@@ -2,8 +2,6 @@
 
 use crate::common;
 use flipmap::report::hunt::Hunt;
-use flipmap::tiles::preview::preview;
-use flipmap::tiles::{Samples, Work};
 use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
@@ -13,6 +11,8 @@ use flipmap_engine::{Accuracy, Engine, EngineKind, IntegratorConfig, Method, Pre
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::{Outcome, Rule, Status, oracle};
+use flipmap_render::tiles::preview::preview;
+use flipmap_render::tiles::{Samples, Work};
 use flipmap_scene::{Budget, Build, Grid, Kind as Sort, QuestionTable, Scene, View};
 use rayon::prelude::*;
 

@@ -9,12 +9,12 @@
 use std::path::{Path, PathBuf};
 
 use crate::common::*;
-use flipmap::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
-use flipmap::output::{RowOrder, RowPainter};
-use flipmap::tiles::Work;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::{Engine, Precision};
 use flipmap_pendulum::Rule;
+use flipmap_render::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
+use flipmap_render::output::{RowOrder, RowPainter};
+use flipmap_render::tiles::Work;
 use flipmap_scene::{
     Budget, Build, BuiltIn, Kind, PictureTable, QuestionTable, Sampling, Scene, View,
 };

@@ -2,13 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use flipmap::tiles::cache::{CachedCell, TILE_BYTES};
-use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
-use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap_engine::mock::MockEngine;
 use flipmap_engine::{IntegratorConfig, Job, Method, Precision, Question};
 use flipmap_numbers::{Decimal, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_render::tiles::cache::{CachedCell, TILE_BYTES};
+use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, Region, SIDE, side_rad};
 use flipmap_scene::{Budget, Build, Fate, QuestionTable as Asked, Scene};
 

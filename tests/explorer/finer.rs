@@ -1,9 +1,9 @@
 //! Finer samples at edges, which come last and only where they show something.
 
-use flipmap::tiles::explorer::Explorer;
-use flipmap::tiles::view_target::ViewTarget;
 use flipmap_engine::Engine;
 use flipmap_pendulum::Status;
+use flipmap_render::tiles::explorer::Explorer;
+use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::lattice::SAMPLES;
 
 use super::common::*;

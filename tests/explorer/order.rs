@@ -3,11 +3,11 @@
 use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
-use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
-use flipmap::tiles::view_target::ViewTarget;
 use flipmap_engine::Engine;
 use flipmap_engine::mock::MockEngine;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::lattice::{Cell, Region, side_rad};
 
 use super::common::*;

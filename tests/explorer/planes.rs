@@ -1,13 +1,13 @@
 //! Tiles of other questions and planes show what a picture of the same starts shows.
 
-use flipmap::tiles::Work;
-use flipmap::tiles::explorer::Explorer;
-use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap_engine::IntegratorConfig;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::level::BALANCED;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
+use flipmap_render::tiles::Work;
+use flipmap_render::tiles::explorer::Explorer;
+use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, Region, SIDE, side_rad};
 use flipmap_scene::question::Ask;
 use flipmap_scene::{Budget, Plane, QuestionTable, Scene, View};

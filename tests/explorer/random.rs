@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use flipmap::tiles::cache::TILE_BYTES;
-use flipmap::tiles::explorer::Explorer;
-use flipmap::tiles::view_target::ViewTarget;
 use flipmap_engine::Engine;
 use flipmap_engine::mock::MockEngine;
 use flipmap_numbers::{Scalar, Theta};
+use flipmap_render::tiles::cache::TILE_BYTES;
+use flipmap_render::tiles::explorer::Explorer;
+use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::lattice::side_rad;
 use proptest::prelude::*;
 

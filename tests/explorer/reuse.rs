@@ -3,13 +3,13 @@
 
 use std::collections::HashSet;
 
-use flipmap::tiles::cache::TILE_BYTES;
-use flipmap::tiles::explorer::{Explorer, MOST_CELLS};
-use flipmap::tiles::view_target::{Physics, ViewTarget};
 use flipmap_engine::Keep;
 use flipmap_engine::mock::MockEngine;
 use flipmap_numbers::Theta;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_render::tiles::cache::TILE_BYTES;
+use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, Region, side_rad};
 
 use super::common::*;

@@ -17,8 +17,8 @@ use flipmap::app::panels::export::{ExportAction, ExportForm, ExportStatus, expor
 use flipmap::app::panels::places::{PlaceAction, PlaceForm, Thumbnails, places_panel};
 use flipmap::app::panels::scene::scene_panel;
 use flipmap::app::places::Places;
-use flipmap::output::Picture;
 use flipmap_pendulum::Rule;
+use flipmap_render::output::Picture;
 use flipmap_scene::question::Ask;
 use flipmap_scene::{
     Budget, Build, BuiltIn, Document, Kind, PictureTable, QuestionTable, Sampling, Scale, Scene,

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use flipmap::tiles::{Renderer, Samples};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::{BALANCED, FAST};
@@ -11,6 +10,7 @@ use flipmap_numbers::{Fixed, Scalar, Theta};
 use flipmap_pendulum::State;
 use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::taylor::Orbit;
+use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::question::Ask;
 use flipmap_scene::{Budget, Scene, View};
 use rayon::prelude::*;

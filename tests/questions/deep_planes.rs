@@ -1,6 +1,5 @@
 //! Deep views of planes of thrown pendulums.
 
-use flipmap::tiles::{Renderer, Samples};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::{BALANCED, FAST, LESSON};
@@ -8,6 +7,7 @@ use flipmap_engine::{IntegratorConfig, Trust};
 use flipmap_numbers::{Angle, Fixed, Scalar};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Outcome, State, Status, oracle};
+use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::question::Ask;
 use flipmap_scene::{Axis, Budget, Plane, PlaneKind, Scene, View};
 use rayon::prelude::*;

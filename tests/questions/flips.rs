@@ -1,11 +1,11 @@
 //! Flips on every plane, counts of them, checks, and the graphics engine.
 
-use flipmap::tiles::{Renderer, Samples};
 use flipmap_engine::Precision;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::question::Ask;
 use flipmap_scene::{Plane, PlaneKind, QuestionTable, Scene};
 use rayon::prelude::*;

@@ -1,6 +1,5 @@
 //! Growth, periodic orbits, and returns to the start.
 
-use flipmap::tiles::{Renderer, Samples};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_engine::{
@@ -9,6 +8,7 @@ use flipmap_engine::{
 use flipmap_numbers::Dd;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{State, Status};
+use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::question::Ask;
 use flipmap_scene::{Plane, PlaneKind, Scene};
 use rayon::prelude::*;

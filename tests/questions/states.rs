@@ -1,13 +1,13 @@
 //! States at a time, films of them, and friction.
 
-use flipmap::tiles::moments::Moments;
-use flipmap::tiles::{Renderer, Samples};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_engine::{Engine, IntegratorConfig, Precision};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{State, Status};
+use flipmap_render::tiles::moments::Moments;
+use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::Plane;
 use flipmap_scene::question::Ask;
 

@@ -2,7 +2,6 @@
 
 use std::f64::consts::{PI, TAU};
 
-use flipmap::tiles::{Renderer, Samples};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::{BALANCED, FAST};
@@ -12,6 +11,7 @@ use flipmap_pendulum::oracle::flip_within;
 use flipmap_pendulum::passes::{Pass, passes_until};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Launch, Outcome, State, Status};
+use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::question::Ask;
 use flipmap_scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
 use rayon::prelude::*;

@@ -9,7 +9,6 @@ use crate::shader_structs::members;
 use crate::sources::{product_files, rust_files};
 use flipmap::app::canvas::atlas::SLOTS_ALONG;
 use flipmap::app::canvas::pipeline::{self, Uniforms};
-use flipmap::output::sha256;
 use flipmap_engine::gpu::kernel::{Design, selfcheck_text};
 use flipmap_engine::gpu::pairs::Pairs;
 use flipmap_engine::level::{BALANCED, FAST, LESSON};
@@ -20,13 +19,14 @@ use flipmap_engine::shared::{
 use flipmap_engine::{Ends, IntegratorConfig, Method, Precision, Question, Trust};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Rule, Status};
+use flipmap_render::output::sha256;
 use flipmap_scene::lattice::SIDE;
 use flipmap_scene::{Build, Kind};
 use flipmap_shaders::{KEPT, KERNEL_PARTS, PICTURE};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// The modules from left to right: a module may use only those before it.
-const ORDER: [&str; 7] = ["tiles", "output", "film", "farm", "report", "lab", "app"];
+const ORDER: [&str; 3] = ["report", "lab", "app"];
 
 /// The top-level names of every `use crate::{…}` in a text.
 fn grouped(text: &str) -> Vec<String> {

@@ -133,8 +133,8 @@ fn linear(colour: Rgb) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tiles::Samples;
     use flipmap_pendulum::Outcome;
+    use flipmap_render::tiles::Samples;
     use flipmap_scene::Scale;
 
     /// Index of the table entry that the shader takes for a time.

@@ -5,8 +5,8 @@ use glam::DVec2;
 
 use super::fading::Fading;
 use crate::app::camera::Screen;
-use crate::tiles::cache::CachedCell;
-use crate::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::cache::CachedCell;
+use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap_scene::lattice::{Cell, Placed, SIDE, side_rad};
 
 /// A part of a tile's samples, drawn as a parallelogram on the canvas.

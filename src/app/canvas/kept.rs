@@ -209,7 +209,7 @@ mod tests {
     use crate::app::canvas::pipeline::Upload;
     use crate::app::canvas::sample::WordKind;
     use crate::app::state::tests::state;
-    use crate::tiles::Samples;
+    use flipmap_render::tiles::Samples;
 
     fn quad(slot: u32) -> Quad {
         Quad { slot, ..Quad::zeroed() }

@@ -27,8 +27,8 @@ use self::glide::Glide;
 use self::pipeline::{CellQuads, MapFrame, Quad, Upload};
 use self::sample::WordKind;
 use crate::app::camera::Screen;
-use crate::tiles::Stride;
-use crate::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::Stride;
+use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
 use flipmap_scene::lattice::SIDE;
 
 /// Number of layers of the atlas: enough for one tile per cell in view.

@@ -12,8 +12,8 @@ use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
 use super::kept::{Changes, DrawingSurface, KeptPicture};
 use super::sample::WordKind;
 use crate::app::camera::Screen;
-use crate::tiles::Samples;
 use flipmap_engine::shared::status_constants;
+use flipmap_render::tiles::Samples;
 use flipmap_scene::lattice::SIDE;
 use flipmap_scene::palette::Relief;
 

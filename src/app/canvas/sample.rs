@@ -1,8 +1,8 @@
 //! A sample packed into one word, as the atlas holds it (counterpart: shaders/picture.wgsl).
 
-use crate::tiles::Samples;
 use flipmap_engine::Trust;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_render::tiles::Samples;
 use flipmap_scene::palette::{AnswerColours, TimeScale};
 
 /// Offset of the stored logarithms: they count from 2^-32 s (counterpart in the shader).

@@ -9,7 +9,7 @@ use egui::{
 
 use crate::app::places::{Bookmark, Places};
 use crate::app::thumbs::thumb;
-use crate::output::Picture;
+use flipmap_render::output::Picture;
 use flipmap_scene::{BUILT_IN, Document};
 
 /// The panel's unfinished input: names being typed, and the deletion to be confirmed.

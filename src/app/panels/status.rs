@@ -2,8 +2,8 @@
 
 use egui::{ProgressBar, Ui};
 
-use crate::tiles::explorer::ViewProgress;
 use flipmap_engine::{DepthStats, Precision};
+use flipmap_render::tiles::explorer::ViewProgress;
 
 /// The content of the line.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -3,12 +3,12 @@
 
 use super::referee::{MotionEnd, Referee};
 use super::start::start;
-use crate::tiles::reader::Reader;
 use flipmap_engine::{End, Ends, Question};
 use flipmap_numbers::{Angle, Dd, Fixed, Scalar, Theta};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
+use flipmap_render::tiles::reader::Reader;
 use flipmap_scene::question::{Ask, MOST_CHANNELS};
 use flipmap_scene::{PlaneKind, Scene};
 

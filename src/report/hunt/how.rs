@@ -4,9 +4,9 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use crate::tiles::Renderer;
 use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
 use flipmap_engine::{Accuracy, Cells, Ends, EngineKind, IntegratorConfig, Method, Precision};
+use flipmap_render::tiles::Renderer;
 
 /// A way to compute a window.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -20,13 +20,13 @@ use self::answers::{Answer, Judged, RefereeVerdict};
 use self::how::{How, Renderers};
 use self::scenes::Scenes;
 use super::{ReportError, StopTest};
-use crate::tiles::preview::preview;
-use crate::tiles::{Samples, Work, check_feasible};
 use flipmap_engine::choice::{Chosen, EngineRequest, choose};
 use flipmap_engine::plain_file::read_text;
 use flipmap_engine::{Ends, Engine, EngineError, IntegratorConfig, Trust};
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
+use flipmap_render::tiles::preview::preview;
+use flipmap_render::tiles::{Samples, Work, check_feasible};
 use flipmap_scene::question::{Ask, MOST_CHANNELS};
 use flipmap_scene::{PlaneKind, Scene, View, Word};
 

@@ -3,10 +3,10 @@
 //! filaments, energy curves and grazes.
 
 use super::how::How;
-use crate::tiles::descent::{Descent, DescentStep};
 use flipmap_engine::{Engine, EngineError, EngineKind, IntegratorConfig};
 use flipmap_numbers::{Angle, Decimal, Scalar, Theta};
 use flipmap_pendulum::Rule;
+use flipmap_render::tiles::descent::{Descent, DescentStep};
 use flipmap_scene::question::Ask;
 use flipmap_scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
 

@@ -11,7 +11,7 @@ use flipmap_scene::question::{Ask, Ending, MOST_CHANNELS, Needs};
 
 /// A reader of the answers to one question about one pendulum.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reader {
+pub struct Reader {
     ask: Ask,
     /// The pendulum in reduced units, and its unit of time in s.
     pendulum: Pendulum<f64>,
@@ -22,13 +22,13 @@ pub(crate) struct Reader {
 
 impl Reader {
     /// A reader of the answers to `ask` in results of jobs with this question.
-    pub(crate) fn new(ask: Ask, question: &Question) -> Self {
+    pub fn new(ask: Ask, question: &Question) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         Reader { ask, pendulum, unit_secs, at: question.budget_secs / unit_secs }
     }
 
     /// The ends that jobs must return.
-    pub(crate) fn ends(&self) -> Ends {
+    pub fn ends(&self) -> Ends {
         self.ask.kind().needs.into()
     }
 
@@ -51,7 +51,7 @@ impl Reader {
     }
 
     /// The status of an answer and its channels.
-    pub(crate) fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MOST_CHANNELS]) {
+    pub fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MOST_CHANNELS]) {
         let ends_at_a_time = self.ask.kind().at_a_time && outcome.status == Status::Unflipped;
         let (mut phase, mut gathered) = (end.phase, end.gathered);
         if ends_at_a_time {

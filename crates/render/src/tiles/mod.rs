@@ -32,7 +32,7 @@ pub mod patch_work;
 pub mod patches;
 mod plan;
 pub mod preview;
-pub(crate) mod reader;
+pub mod reader;
 mod refinement;
 mod renderer;
 mod samples;

@@ -29,7 +29,7 @@ pub enum Advance {
 /// A pendulum on its way, and the rows of its table.
 ///
 /// ```
-/// use flipmap::output::{Advance, Trace, launch_from_text};
+/// use crate::output::{Advance, Trace, launch_from_text};
 /// use flipmap_numbers::Dd;
 /// use flipmap_scene::Scene;
 ///
@@ -45,7 +45,7 @@ pub enum Advance {
 /// }
 /// assert_eq!(rows.len(), 5);
 /// assert!((trace.passes()[0].time.hi - 0.564_452_316_577_663_8).abs() < 1e-12);
-/// # Ok::<(), flipmap::output::NotFinite>(())
+/// # Ok::<(), crate::output::NotFinite>(())
 /// ```
 pub struct Trace {
     pendulum: Pendulum<Dd>,
