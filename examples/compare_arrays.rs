@@ -1,11 +1,7 @@
 //! Compares a quick map with an exact one, pixel by pixel.
 //!
 //! `cargo run --release --example compare_arrays`
-
-use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
-use flipmap_engine::{Accuracy, EngineKind};
-use flipmap_render::tiles::{Renderer, Samples};
-use flipmap_scene::Scene;
+use flipmap::{Accuracy, EngineKind, EngineRequest, IntegrationSetting, Renderer, Samples, Scene};
 
 const SIZE: [u32; 2] = [48, 48];
 /// Greatest difference in s that counts as equal.

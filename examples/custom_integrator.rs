@@ -2,13 +2,13 @@
 //!
 //! `cargo run --release --example custom_integrator`
 
+use flipmap::{Dd, Outcome, Pendulum, Rule, oracle};
 use flipmap_engine::Question;
 use flipmap_engine::cpu::{Dop853, EmbeddedPair, outcomes};
-use flipmap_numbers::{Dd, Real};
+use flipmap_numbers::Real;
 use flipmap_pendulum::embedded::Trial;
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::phase::Phase;
-use flipmap_pendulum::{Outcome, Pendulum, Rule, oracle};
 use flipmap_scene::Build;
 
 /// Orders 3 and 2 (P. Bogacki and L. F. Shampine, *A 3(2) pair of Runge–Kutta formulas*, 1989).

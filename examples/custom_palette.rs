@@ -1,12 +1,7 @@
 //! Paints a map in colours of one's own: hue by the logarithm of the flip time.
 //!
 //! `cargo run --release --example custom_palette` writes `rainbow.png`.
-
-use flipmap_engine::EngineKind;
-use flipmap_engine::choice::EngineRequest;
-use flipmap_pendulum::{Outcome, Status};
-use flipmap_render::tiles::Renderer;
-use flipmap_scene::Scene;
+use flipmap::{EngineKind, EngineRequest, Outcome, Renderer, Scene, Status};
 use image::{Rgb, RgbImage};
 
 const SIDE: u32 = 96;

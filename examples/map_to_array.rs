@@ -2,13 +2,8 @@
 //!
 //! `cargo run --release --example map_to_array` writes `map.npy`.
 
+use flipmap::{Document, EngineKind, EngineRequest, NpyWriter, Renderer};
 use std::fs::File;
-
-use flipmap_engine::EngineKind;
-use flipmap_engine::choice::EngineRequest;
-use flipmap_render::output::NpyWriter;
-use flipmap_render::tiles::Renderer;
-use flipmap_scene::Document;
 
 const SIZE: [u32; 2] = [96, 64];
 

@@ -1,9 +1,7 @@
 //! Follows one pendulum by the gold standard, in f64 and in double-double.
 //!
 //! `cargo run --release --example one_pendulum`
-
-use flipmap_numbers::{Dd, Scalar};
-use flipmap_pendulum::{Outcome, Pendulum, Rule, Status, oracle};
+use flipmap::{Dd, Outcome, Pendulum, Rule, Scalar, Status, oracle};
 
 const BUDGET_SECS: f64 = 30.0;
 

@@ -139,8 +139,8 @@ pub(crate) fn gradient(bytes: &[u8]) {
 pub(crate) fn settings(bytes: &[u8]) {
     #[cfg(feature = "window")]
     {
-        use flipmap::app::folders::Folders;
-        use flipmap::app::settings::Store;
+        use flipmap_window::folders::Folders;
+        use flipmap_window::settings::Store;
         let folder = tempfile::tempdir().expect("a folder for the file");
         let folders = Folders::under(folder.path());
         let config = folders.config.clone().expect("a folder of settings");

@@ -1,18 +1,15 @@
 //! flipmap: every possible double pendulum at once.
 //!
 //! Each pixel of a flip-time map is a pendulum released from rest at (θ1, θ2), coloured by the time
-//! until its second bob flips over the top. This crate is the program's library; its examples are
-//! in the folder `examples`.
+//! until its second bob flips over the top. This crate is the front door: the names that a program
+//! of yours needs, from the crates that do the work. Its examples are in the folder `examples`.
 //!
 //! # A map
 //!
-//! A [`tiles::Renderer`] turns a [`scene::Scene`] into samples: `examples/map_to_array.rs`.
+//! A [`Renderer`] turns a [`Scene`] into samples: `examples/map_to_array.rs`.
 //!
 //! ```
-//! use flipmap_engine::choice::EngineRequest;
-//! use flipmap_engine::EngineKind;
-//! use flipmap_scene::Document;
-//! use flipmap_render::tiles::Renderer;
+//! use flipmap::{Document, EngineKind, EngineRequest, Renderer};
 //!
 //! let scene = Document::parse("[view]\ncenter = [\"2\", \"1.4\"]\nwidth = \"0.1\"")?.scene();
 //! let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
@@ -21,16 +18,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Its colours are yours (`examples/custom_palette.rs`) or those of [`output::RowPainter`]; two maps
-//! are compared sample by sample (`examples/compare_arrays.rs`).
+//! Its colours are yours (`examples/custom_palette.rs`), or those of a [`PictureRecipe`], which
+//! writes the picture too; two maps are compared sample by sample (`examples/compare_arrays.rs`).
 //!
 //! # One pendulum
 //!
-//! The oracle, a Taylor integrator in any number type, is what every engine is judged by:
+//! The [`oracle`], a Taylor integrator in any number type, is what every engine is judged by:
 //! `examples/one_pendulum.rs`.
 //!
 //! ```
-//! use flipmap_pendulum::{Pendulum, Rule, Status, oracle};
+//! use flipmap::{Pendulum, Rule, Status, oracle};
 //!
 //! let pendulum = Pendulum::points([1.0, 1.0], [1.0, 1.0], 1.0);
 //! let outcome = oracle::outcome(&pendulum, [3.0f64, 3.0], Rule::Second, 30.0);
@@ -39,28 +36,33 @@
 //! ```
 //!
 //! The equations of motion are generic too: an integrator of your own, an
-//! [`engine::cpu::EmbeddedPair`], runs on the processor's SIMD lanes as ours do
-//! (`examples/custom_integrator.rs`).
+//! [`EmbeddedPair`](flipmap_engine::cpu::EmbeddedPair), runs on the processor's SIMD lanes as ours
+//! do (`examples/custom_integrator.rs`).
 //!
-//! # The modules
+//! # The crates
 //!
-//! Data flows one way, which a test checks:
-//! `physics → question → scene → engine → tiles → output → film → farm → report → lab → app`.
+//! Data flows one way, and a crate can use only those to its left:
+//! `numbers → pendulum → scene → engine → render → report`, `render → lab → window`.
 //!
-//! | module | contents |
+//! | crate | contents |
 //! |---|---|
-//! | [`physics`] | equations of motion, number types, integrators, events, flow patches, the oracle |
-//! | [`question`] | what is asked of a pendulum, and the channels of its answer |
-//! | [`scene`] | pendulum, question, view, colours, films; from pixels to starts |
-//! | [`engine`] | jobs of starts to outcomes: SIMD lanes, compute shaders, deep zoom, checks |
-//! | [`tiles`] | which starts are computed next, and the [`tiles::Renderer`] |
-//! | [`output`], [`film`], [`farm`] | files, frames, work in shards |
-//! | [`report`] | measurements and hard cases |
-//! | `lab`, `app` | the live figures and the window, with the feature `window` |
+//! | [`flipmap_numbers`] | number types, exact decimals, derivatives, roots of polynomials |
+//! | [`flipmap_pendulum`] | equations of motion, integrators, events, flow patches, the oracle |
+//! | [`flipmap_scene`] | pendulum, question, view, colours, keys of films; from pixels to starts |
+//! | [`flipmap_engine`] | jobs of starts to outcomes: SIMD lanes, compute shaders, deep zoom, checks |
+//! | [`flipmap_render`] | which samples come next, pictures, films, traces, work in shards |
+//! | [`flipmap_report`] | measurements and hard cases |
+//! | `flipmap_lab`, `flipmap_window` | the live figures and the window, with the feature `window` |
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
-#[cfg(feature = "window")]
-pub mod app;
-#[cfg(feature = "window")]
-pub mod lab;
-pub mod report;
+pub use flipmap_engine::choice::{ChoiceError, EngineRequest, IntegrationSetting};
+pub use flipmap_engine::run_settings::RunSpec;
+pub use flipmap_engine::{Accuracy, EngineError, EngineKind, Trust};
+pub use flipmap_numbers::{Dd, Scalar};
+pub use flipmap_pendulum::{Outcome, Pendulum, Rule, Status, oracle};
+pub use flipmap_render::output::{
+    Advance, NpyWriter, PictureRecipe, Trace, launch_from_text, named_document,
+};
+pub use flipmap_render::tiles::{Renderer, Samples};
+pub use flipmap_scene::question::Channel;
+pub use flipmap_scene::{BuiltIn, Document, PictureTable, RunTable, Scene, Word};

@@ -9,9 +9,7 @@ mod trace;
 /// The functions that `flipmap/__init__.py` calls.
 #[pyo3::pymodule]
 mod _flipmap {
-    use flipmap_engine::Trust;
-    use flipmap_pendulum::Status;
-    use flipmap_scene::{BuiltIn, Word};
+    use flipmap::{BuiltIn, Status, Trust, Word};
     use pyo3::prelude::*;
 
     #[pymodule_export]

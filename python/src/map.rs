@@ -2,19 +2,16 @@
 
 use std::time::Instant;
 
-use flipmap_engine::EngineKind;
-use flipmap_engine::choice::{ChoiceError, EngineRequest};
-use flipmap_engine::run_settings::RunSpec;
-use flipmap_render::output::number_of;
-use flipmap_scene::question::Channel;
-use flipmap_scene::{PictureTable, RunTable};
-use flipmap_render::tiles::{Renderer, Samples};
+use flipmap::{
+    Channel, ChoiceError, EngineError, EngineKind, EngineRequest, PictureTable, Renderer, RunSpec,
+    RunTable, Samples,
+};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::clock::Clock;
-use flipmap_scene::{document, value_error};
+use crate::scene::{document, value_error};
 
 /// How to compute, in words; `None` for what is left to the program.
 #[derive(FromPyObject)]
@@ -97,8 +94,9 @@ pub(crate) fn render<'py>(
             config.method.name(),
             config.precision
         );
-        let go_on = |counts: &flipmap_render::tiles::Counts| clock.go_on(counts.pixels);
-        let samples = renderer.render_while(&document.scene(), size, &go_on).map_err(failed)?;
+        let rendered =
+            renderer.render_while(&document.scene(), size, &|counts| clock.go_on(counts.pixels));
+        let samples = rendered.map_err(failed)?;
         Ok::<_, PyErr>((samples, about))
     });
     let seconds = begun.elapsed().as_secs_f64();
@@ -124,11 +122,7 @@ fn names(channels: &[Channel]) -> Vec<(&'static str, &'static str)> {
 
 /// The numbers that an array of the program holds.
 fn values(samples: &Samples) -> Vec<u8> {
-    let of = |k: usize| {
-        let status = samples.get(k).status;
-        samples.values(k).iter().flat_map(move |value| number_of(status, *value).to_ne_bytes())
-    };
-    (0..samples.len()).flat_map(of).collect()
+    (0..samples.len()).flat_map(|k| samples.numbers(k)).flat_map(f64::to_ne_bytes).collect()
 }
 
 fn codes(samples: &Samples, code: impl Fn(usize) -> u8) -> Vec<u8> {
@@ -142,9 +136,9 @@ fn choice_error(error: ChoiceError) -> PyErr {
     }
 }
 
-fn failed(error: flipmap_engine::EngineError) -> PyErr {
+fn failed(error: EngineError) -> PyErr {
     match error {
-        flipmap_engine::EngineError::Unsupported(why) => value_error(why),
+        EngineError::Unsupported(why) => value_error(why),
         other => PyRuntimeError::new_err(other.to_string()),
     }
 }

@@ -1,7 +1,5 @@
 //! A scene from what Python says: a name, a file or a text, and words.
-
-use flipmap_render::output::named_document;
-use flipmap_scene::{BuiltIn, Document, Word};
+use flipmap::{BuiltIn, Document, Word, named_document};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 

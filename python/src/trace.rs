@@ -1,13 +1,11 @@
 //! `trace`: one pendulum, by the gold standard in double-double.
-
-use flipmap_render::output::{Advance, Trace, launch_from_text};
-use flipmap_numbers::{Dd, Scalar};
+use flipmap::{Advance, Dd, Scalar, Trace, launch_from_text};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::clock::Clock;
-use flipmap_scene::{document, value_error};
+use crate::scene::{document, value_error};
 
 /// Largest number of rows of a table.
 const MOST_ROWS: f64 = 1e8;

@@ -5,10 +5,10 @@ use std::process::Command;
 use std::time::Instant;
 
 use clap::Args;
-use flipmap::app::film_run::FilmOrder;
-use flipmap::app::folders::Folders;
-use flipmap::app::model;
-use flipmap::app::window::{self, WindowError};
+use flipmap_window::film_run::FilmOrder;
+use flipmap_window::folders::Folders;
+use flipmap_window::model;
+use flipmap_window::window::{self, WindowError};
 
 use super::exit::Exit;
 use super::options::SceneOptions;

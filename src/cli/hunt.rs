@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::Context;
-use flipmap::report::hunt::{Hunt, WrongPixel};
 use flipmap_engine::choice::EngineRequest;
+use flipmap_report::hunt::{Hunt, WrongPixel};
 
 use super::exit::Exit;
 use super::stop;

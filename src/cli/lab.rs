@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use flipmap::lab::home::home_map;
-use flipmap::lab::still::{Still, draw, still};
-use flipmap::lab::{Figure, Lab, flips};
+use flipmap_lab::home::home_map;
+use flipmap_lab::still::{Still, draw, still};
+use flipmap_lab::{Figure, Lab, flips};
 use flipmap_render::output::PictureFile;
 
 use super::exit::Exit;

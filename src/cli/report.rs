@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use flipmap::report::{BackendFilter, Chapter, Folder, ReportError, Session, Thoroughness};
 use flipmap_engine::{Accuracy, choice};
+use flipmap_report::{BackendFilter, Chapter, Folder, ReportError, Session, Thoroughness};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::exit::Exit;

@@ -2,8 +2,8 @@
 
 use std::process::Command;
 
-use flipmap::app::film_run::FilmOrder;
 use flipmap_scene::keys::Keys;
+use flipmap_window::film_run::FilmOrder;
 
 use super::*;
 

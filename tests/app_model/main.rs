@@ -19,15 +19,15 @@ use egui::accesskit::Action as Doing;
 use egui::{Event, Key, Modifiers, Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{AccessKitNode, NodeT, Queryable};
-use flipmap::app::folders::Folders;
-use flipmap::app::model::{AppModel, WindowOptions};
-use flipmap::app::settings::{EdgeSamples, Theme};
-use flipmap::lab::Figure;
 use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap_engine::{Accuracy, EngineKind};
+use flipmap_lab::Figure;
 use flipmap_numbers::Scalar;
 use flipmap_render::tiles::Counts;
 use flipmap_scene::{BuiltIn, Document, RunTable, location};
+use flipmap_window::folders::Folders;
+use flipmap_window::model::{AppModel, WindowOptions};
+use flipmap_window::settings::{EdgeSamples, Theme};
 
 type Desktop = Harness<'static, AppModel>;
 

@@ -2,12 +2,12 @@
 
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-use flipmap::app::folders::Folders;
-use flipmap::app::model::AppModel;
 use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap_engine::{Accuracy, EngineKind, IntegratorConfig, Method, Precision};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::{Document, RunTable, location};
+use flipmap_window::folders::Folders;
+use flipmap_window::model::AppModel;
 
 use crate::{counts, home, model, model_of, notices, options, place, press, settle, until};
 

@@ -2,12 +2,12 @@
 
 use egui::{Event, Key, Modifiers, Role, pos2};
 use egui_kittest::kittest::Queryable;
-use flipmap::app::action::{Action, Look};
-use flipmap::app::camera::{Camera, MovePace};
-use flipmap::app::folders::Folders;
-use flipmap::app::model::{AppModel, WindowOptions};
 use flipmap_engine::IntegratorConfig;
 use flipmap_scene::{BuiltIn, Sampling, Scene};
+use flipmap_window::action::{Action, Look};
+use flipmap_window::camera::{Camera, MovePace};
+use flipmap_window::folders::Folders;
+use flipmap_window::model::{AppModel, WindowOptions};
 
 use super::*;
 
@@ -93,7 +93,7 @@ fn the_first_start_shows_a_card_once() {
     first.state_mut().save();
     let mut again = model(Folders::under(folder.path()), None);
     assert!(!shown(&again));
-    again.state_mut().state.apply(Action::Toggle(flipmap::app::state::Dialog::Card));
+    again.state_mut().state.apply(Action::Toggle(flipmap_window::state::Dialog::Card));
     again.run_steps(2);
     click(&mut again, "Look around");
     assert!(!shown(&again));

@@ -16,9 +16,6 @@ mod smooth;
 
 use doubtful::{Doubtful, fails, is_uncertain};
 use finer::encoded;
-use flipmap::app::camera::{Camera, Screen};
-use flipmap::app::hover::sample_at;
-use flipmap::app::reach::Reach;
 use flipmap_engine::mock::MockEngine;
 use flipmap_engine::{IntegratorConfig, Method, Precision, Question};
 use flipmap_numbers::{Dd, Decimal, Scalar, Theta};
@@ -31,6 +28,9 @@ use flipmap_scene::palette::{FAILED, Ground, Rgb, Tones, equalised, light};
 use flipmap_scene::{
     Budget, Build, Fate, Grid, PictureTable, QuestionTable as Asked, Scale, Scene,
 };
+use flipmap_window::camera::{Camera, Screen};
+use flipmap_window::hover::sample_at;
+use flipmap_window::reach::Reach;
 use glam::DVec2;
 use offscreen::{Paint, SIZE, Studio};
 

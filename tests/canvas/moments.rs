@@ -14,7 +14,7 @@ needs_adapter! {
 
 /// The colours of the flips up to a moment; later ones are not there yet.
 fn painted_until(
-    screen: &flipmap::app::camera::Screen,
+    screen: &flipmap_window::camera::Screen,
     scene: &Scene,
     picture: &PictureTable,
     until_secs: f64,

@@ -1,12 +1,12 @@
 //! The canvas drawn into a texture and read back.
 
-use flipmap::app::camera::Screen;
-use flipmap::app::canvas::colours::{CardColours, colours};
-use flipmap::app::canvas::pipeline::Canvas;
-use flipmap::app::canvas::{LAYERS, MapRenderer};
 use flipmap_engine::gpu::device::Gpu;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::{PictureTable, Scene};
+use flipmap_window::camera::Screen;
+use flipmap_window::canvas::colours::{CardColours, colours};
+use flipmap_window::canvas::pipeline::Canvas;
+use flipmap_window::canvas::{LAYERS, MapRenderer};
 
 use crate::common::gpu_engine;
 

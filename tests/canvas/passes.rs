@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
-use flipmap::app::hover::known_at;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_render::tiles::cache::TILE_BYTES;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::PictureTable;
 use flipmap_scene::lattice::Cell;
+use flipmap_window::hover::known_at;
 use glam::DVec2;
 
 use crate::doubtful::Doubtful;

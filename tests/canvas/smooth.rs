@@ -1,7 +1,6 @@
 //! Window and render by different ways: the same starts have the same colours, at every depth, and the
 //! same light from the side.
 
-use flipmap::app::camera::Screen;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::BALANCED;
@@ -16,6 +15,7 @@ use flipmap_render::tiles::{Samples, Work};
 use flipmap_scene::lattice::{Cell, pitch_rad, side_rad};
 use flipmap_scene::palette::equalised;
 use flipmap_scene::{BuiltIn, PictureTable, Scene};
+use flipmap_window::camera::Screen;
 
 use crate::offscreen::{Paint, SIZE, Studio};
 use crate::{PLAIN, beyond};

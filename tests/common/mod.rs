@@ -2,7 +2,6 @@
 //! plain scalar RK4, and shares of right pixels.
 #![allow(dead_code)]
 
-use flipmap::report::baseline;
 use flipmap_engine::choice::open_checked;
 use flipmap_engine::gpu::{GpuEngine, device};
 use flipmap_engine::{
@@ -10,6 +9,7 @@ use flipmap_engine::{
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status, oracle};
+use flipmap_report::baseline;
 use flipmap_scene::{Fate, Grid, Scene};
 use rayon::prelude::*;
 

@@ -1,7 +1,6 @@
 //! Windows chosen to break `exact`: no pixel may be wrong and unmarked.
 
 use crate::common;
-use flipmap::report::hunt::Hunt;
 use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
@@ -13,6 +12,7 @@ use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::{Outcome, Rule, Status, oracle};
 use flipmap_render::tiles::preview::preview;
 use flipmap_render::tiles::{Samples, Work};
+use flipmap_report::hunt::Hunt;
 use flipmap_scene::{Budget, Build, Grid, Kind as Sort, QuestionTable, Scene, View};
 use rayon::prelude::*;
 

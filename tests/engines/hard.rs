@@ -4,9 +4,9 @@ use std::process::Output;
 
 use crate::common::gpu_engine;
 use assert_cmd::Command;
-use flipmap::report::hard::{HardBench, cases};
 use flipmap_engine::Engine;
 use flipmap_engine::cpu::CpuEngine;
+use flipmap_report::hard::{HardBench, cases};
 
 fn all_hold(engine: Box<dyn Engine>) {
     let (kind, mut bench) = (engine.kind(), HardBench::new(engine));

@@ -3,8 +3,8 @@
 use egui::{Event, Key, Modifiers, PointerButton, Role, Theme, pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use egui_kittest::{Harness, SnapshotOptions};
-use flipmap::lab::home::home_map;
-use flipmap::lab::{Figure, FigureRequest, Lab, flips};
+use flipmap_lab::home::home_map;
+use flipmap_lab::{Figure, FigureRequest, Lab, flips};
 use flipmap_pendulum::{Rule, State};
 use flipmap_scene::{BuiltIn, Document, Kind};
 

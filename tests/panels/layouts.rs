@@ -6,16 +6,16 @@ use std::time::{Duration, Instant};
 
 use egui::{Event, Modifiers, MouseWheelUnit, Pos2, TouchPhase, Vec2, pos2, vec2};
 use egui_kittest::Harness;
-use flipmap::app::folders::Folders;
-use flipmap::app::model::{AppModel, WindowOptions};
-use flipmap::app::panels::pendulum::pendulum_panel;
-use flipmap::app::panels::status::{StatusLine, status_line};
-use flipmap::app::pin_start::PinStart;
-use flipmap::app::pins::{PinAction, Pins};
 use flipmap_engine::EngineKind;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_scene::Scene;
+use flipmap_window::folders::Folders;
+use flipmap_window::model::{AppModel, WindowOptions};
+use flipmap_window::panels::pendulum::pendulum_panel;
+use flipmap_window::panels::status::{StatusLine, status_line};
+use flipmap_window::pin_start::PinStart;
+use flipmap_window::pins::{PinAction, Pins};
 use proptest::prelude::*;
 
 /// A moment of a window: its size in pixels, its scale, and a turn of the wheel at a place in it.

@@ -5,13 +5,13 @@ use std::time::{Duration, Instant};
 use egui::{Key, Role, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use flipmap::app::panels::pendulum::{FRAME, pendulum_panel};
-use flipmap::app::pin_start::PinStart;
-use flipmap::app::pins::{PinAction, PinId, Pins};
 use flipmap_engine::Trust;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::{Build, Kind, Scene};
+use flipmap_window::panels::pendulum::{FRAME, pendulum_panel};
+use flipmap_window::pin_start::PinStart;
+use flipmap_window::pins::{PinAction, PinId, Pins};
 
 /// The panel's state, and all actions it has requested so far.
 struct Shown {

@@ -5,11 +5,11 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
-use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
 use flipmap_engine::EngineKind;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_render::output::document_in_png;
 use flipmap_scene::{BUILT_IN, BuiltIn, Document, Sampling, Scale};
+use flipmap_window::export::{Export, ExportKind, ExportRequest, ExportStage};
 
 /// Runs `flipmap render` on the processor for a small, fast picture.
 fn render(folder: &Path, arguments: &[&str]) -> String {

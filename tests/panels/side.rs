@@ -9,20 +9,20 @@ mod film_tests;
 use egui::{Key, Role, Theme, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
-use flipmap::app::colour_cycle::ColourCycle;
-use flipmap::app::export::ExportStage;
-use flipmap::app::folders::Folders;
-use flipmap::app::panels::colours::{ColourAction, colours_panel};
-use flipmap::app::panels::export::{ExportAction, ExportForm, ExportStatus, export_panel};
-use flipmap::app::panels::places::{PlaceAction, PlaceForm, Thumbnails, places_panel};
-use flipmap::app::panels::scene::scene_panel;
-use flipmap::app::places::Places;
 use flipmap_pendulum::Rule;
 use flipmap_render::output::Picture;
 use flipmap_scene::question::Ask;
 use flipmap_scene::{
     Budget, Build, BuiltIn, Document, Kind, PictureTable, QuestionTable, Sampling, Scale, Scene,
 };
+use flipmap_window::colour_cycle::ColourCycle;
+use flipmap_window::export::ExportStage;
+use flipmap_window::folders::Folders;
+use flipmap_window::panels::colours::{ColourAction, colours_panel};
+use flipmap_window::panels::export::{ExportAction, ExportForm, ExportStatus, export_panel};
+use flipmap_window::panels::places::{PlaceAction, PlaceForm, Thumbnails, places_panel};
+use flipmap_window::panels::scene::scene_panel;
+use flipmap_window::places::Places;
 
 /// A panel's state, and all actions it has requested so far.
 struct Shown<S, A> {

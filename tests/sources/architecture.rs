@@ -7,8 +7,6 @@ use std::path::{Path, PathBuf};
 
 use crate::shader_structs::members;
 use crate::sources::{product_files, rust_files};
-use flipmap::app::canvas::atlas::SLOTS_ALONG;
-use flipmap::app::canvas::pipeline::{self, Uniforms};
 use flipmap_engine::gpu::kernel::{Design, selfcheck_text};
 use flipmap_engine::gpu::pairs::Pairs;
 use flipmap_engine::level::{BALANCED, FAST, LESSON};
@@ -23,58 +21,9 @@ use flipmap_render::output::sha256;
 use flipmap_scene::lattice::SIDE;
 use flipmap_scene::{Build, Kind};
 use flipmap_shaders::{KEPT, KERNEL_PARTS, PICTURE};
+use flipmap_window::canvas::atlas::SLOTS_ALONG;
+use flipmap_window::canvas::pipeline::{self, Uniforms};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
-
-/// The modules from left to right: a module may use only those before it.
-const ORDER: [&str; 3] = ["report", "lab", "app"];
-
-/// The top-level names of every `use crate::{…}` in a text.
-fn grouped(text: &str) -> Vec<String> {
-    let mut names = Vec::new();
-    for group in text.split("crate::{").skip(1) {
-        let (mut depth, mut path) = (0, String::new());
-        for letter in group.chars() {
-            match letter {
-                '{' => depth += 1,
-                '}' | ',' if depth == 0 => names.push(std::mem::take(&mut path)),
-                '}' => depth -= 1,
-                _ if depth == 0 => path.push(letter),
-                _ => {}
-            }
-            if letter == '}' && path.is_empty() {
-                break;
-            }
-        }
-    }
-    let first = |path: &String| path.split("::").next().unwrap_or_default().trim().to_string();
-    names.iter().map(first).collect()
-}
-
-/// The modules that stand to the right of `module` and that `text` uses, one by one or in a group.
-fn arrows_back<'a>(module: &str, text: &str) -> Vec<&'a str> {
-    let place = ORDER.iter().position(|name| *name == module).expect("a module of the library");
-    let groups = grouped(text);
-    let uses = |name: &&&str| {
-        text.contains(&format!("crate::{name}")) || groups.iter().any(|group| group == *name)
-    };
-    ORDER[place + 1..].iter().filter(uses).copied().collect()
-}
-
-#[test]
-fn data_flows_one_way() {
-    for module in ORDER {
-        let files = rust_files(&Path::new("src").join(module));
-        assert!(!files.is_empty(), "{module} is empty");
-        for file in files {
-            let back = arrows_back(module, &fs::read_to_string(&file).unwrap());
-            assert!(back.is_empty(), "{} uses {back:?}", file.display());
-        }
-    }
-    assert_eq!(arrows_back("scene", "use crate::tiles::Work;"), ["tiles"], "the test can fail");
-    let group = "use crate::{\n    physics::{Dd, Rule},\n    tiles::{self, Work},\n    app,\n};";
-    assert_eq!(arrows_back("scene", group), ["tiles", "app"], "groups are seen");
-    assert!(arrows_back("tiles", "use crate::{engine::{app, Job}, scene};").is_empty());
-}
 
 /// The string literals of a file that spell an option such as `--width`.
 fn options_in(text: &str) -> Vec<&str> {

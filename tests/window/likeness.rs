@@ -1,12 +1,12 @@
 //! Comparison of a window with the picture that an export makes of the same view.
 
-use flipmap::app::export::{Export, ExportKind, ExportRequest, ExportStage};
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::palette::Tones;
 use flipmap_scene::{Document, PictureTable, Sampling, Scene};
+use flipmap_window::export::{Export, ExportKind, ExportRequest, ExportStage};
 use image::{Rgb, RgbImage};
 
 use super::session::Told;

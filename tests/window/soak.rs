@@ -7,7 +7,7 @@
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use flipmap::app::settings::Settings;
+use flipmap_window::settings::Settings;
 
 use super::display::{Display, LEFT};
 use super::session::{Session, WINDOW, keep_settings};

@@ -1,7 +1,7 @@
 //! Films in the side panel: keys, the preview, and films being made.
 
-use flipmap::app::film_draft::FilmDraft;
-use flipmap::app::panels::film::{FilmAction, film_panel};
+use flipmap_window::film_draft::FilmDraft;
+use flipmap_window::panels::film::{FilmAction, film_panel};
 
 use super::*;
 

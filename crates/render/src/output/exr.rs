@@ -12,8 +12,8 @@ use exr::meta::header::{Header, LayerAttributes};
 use exr::meta::{BlockDescription, MetaData, magic_number};
 use exr::prelude::{ChannelDescription, Compression, Error, LineOrder, SampleType, Text, Vec2};
 
-use super::npy::number_of;
 use crate::tiles::Samples;
+use crate::tiles::number_of;
 use flipmap_engine::Trust;
 use flipmap_pendulum::Status;
 use flipmap_scene::{Document, QuestionTable};

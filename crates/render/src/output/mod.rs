@@ -45,7 +45,7 @@ pub use failure::{OutputError, RenderError, is_broken_pipe, is_stopped, sentence
 pub use flipmap_engine::plain_file::{open_plain, read_plain, read_text};
 pub use gradient::{GradientError, read_gradient};
 pub use legend::Legend;
-pub use npy::{NpyWriter, number_of};
+pub use npy::NpyWriter;
 pub use one_file::{is_one_file, is_stdout};
 pub use paint::{RowPainter, blended};
 pub use picture_file::PictureFile;

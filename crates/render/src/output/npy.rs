@@ -6,8 +6,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::ops::Range;
 
-use crate::tiles::Samples;
-use flipmap_pendulum::Status;
+use crate::tiles::{Samples, number_of};
 use flipmap_scene::PictureTable;
 
 /// Writes rows of samples as they come.
@@ -125,20 +124,10 @@ fn split_value(text: &str) -> Option<(&str, &str)> {
     (length > 0).then(|| text.split_at(length))
 }
 
-/// The number that stands in an array for a channel of a sample with this status: its value, `+inf`
-/// for unflipped and failed, NaN for forbidden.
-pub fn number_of(status: Status, value: f64) -> f64 {
-    match status {
-        Status::Flipped => value,
-        Status::Unflipped | Status::Failed => f64::INFINITY,
-        Status::Forbidden => f64::NAN,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_pendulum::Outcome;
+    use flipmap_pendulum::{Outcome, Status};
 
     #[test]
     fn the_header_is_that_of_numpy() {

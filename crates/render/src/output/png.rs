@@ -233,7 +233,8 @@ mod tests {
 
     #[test]
     fn maps_are_smaller_than_by_the_encoders_own_choice() {
-        let file = io::BufReader::new(std::fs::File::open("docs/heyl.png").unwrap());
+        let map = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/heyl.png");
+        let file = io::BufReader::new(std::fs::File::open(map).unwrap());
         let Picture { document, size, rgb } = picture_in_png(file, 4096).unwrap();
         let mut ours = PngWriter::new(Vec::new(), size, &document).unwrap();
         ours.write(&rgb).unwrap();

@@ -29,7 +29,7 @@ pub enum Advance {
 /// A pendulum on its way, and the rows of its table.
 ///
 /// ```
-/// use crate::output::{Advance, Trace, launch_from_text};
+/// use flipmap_render::output::{Advance, Trace, launch_from_text};
 /// use flipmap_numbers::Dd;
 /// use flipmap_scene::Scene;
 ///

@@ -47,6 +47,7 @@ pub use opinion::opinion;
 pub use outlook::outlook;
 pub use plan::{Tile, plan};
 pub use renderer::Renderer;
+pub(crate) use samples::number_of;
 pub use samples::{Counts, Samples};
 pub use saved_pixels::{SavedPixel, SavedPixels};
 pub use stride::Stride;

@@ -14,7 +14,7 @@ use flipmap_scene::{Sampling, Scene};
 /// use flipmap_engine::choice::EngineRequest;
 /// use flipmap_engine::EngineKind;
 /// use flipmap_scene::Scene;
-/// use crate::tiles::Renderer;
+/// use flipmap_render::tiles::Renderer;
 ///
 /// let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
 /// let samples = Renderer::new(&request)?.render(&Scene::default(), [16, 16])?;

@@ -66,6 +66,13 @@ impl Samples {
         &self.values[index * channels..(index + 1) * channels]
     }
 
+    /// Returns the channels of sample `index` as they stand in arrays: their values, `+inf` for
+    /// unflipped and failed, NaN for forbidden.
+    pub fn numbers(&self, index: usize) -> impl Iterator<Item = f64> {
+        let status = self.statuses[index];
+        self.values(index).iter().map(move |value| number_of(status, *value))
+    }
+
     /// Replaces the outcome of sample `index`, whose time is the first channel.
     pub fn set(&mut self, index: usize, outcome: Outcome) {
         self.set_values(index, outcome.status, &[outcome.time]);
@@ -276,6 +283,16 @@ impl std::ops::AddAssign for Counts {
             *sum += count;
         }
         self.effort += other.effort;
+    }
+}
+
+/// The number that stands in an array for a channel of a sample with this status: its value, `+inf`
+/// for unflipped and failed, NaN for forbidden.
+pub(crate) fn number_of(status: Status, value: f64) -> f64 {
+    match status {
+        Status::Flipped => value,
+        Status::Unflipped | Status::Failed => f64::INFINITY,
+        Status::Forbidden => f64::NAN,
     }
 }
 

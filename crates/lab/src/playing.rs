@@ -1,0 +1,171 @@
+//! Pause, speed and scrubbing of a figure, the same for all of them.
+
+use std::time::{Duration, Instant};
+
+use egui::{Slider, Ui};
+
+use super::LiveFigure;
+
+/// The course of a figure in time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Playing {
+    /// True if the figure stands still.
+    pub paused: bool,
+    /// Speed in simulated seconds per second: one of [`SPEEDS`].
+    pub speed: f64,
+    /// Moment that the user holds the slider at, s.
+    held_at: Option<f64>,
+    /// Moment that is still to be reached by running the figure again, s.
+    goal_secs: Option<f64>,
+}
+
+/// Speeds in simulated seconds per second, each with its name.
+pub const SPEEDS: [(f64, &str); 4] = [(0.1, "1/10"), (0.25, "1/4"), (0.5, "1/2"), (1.0, "1")];
+/// Longest piece in which a figure is run again, in s.
+const PIECE_SECS: f64 = 0.05;
+/// Time that a frame may spend on running a figure again.
+const SLICE: Duration = Duration::from_millis(6);
+/// Least range of the slider in s.
+const RANGE_SECS: f64 = 60.0;
+
+impl Default for Playing {
+    fn default() -> Self {
+        Playing::at_speed(1.0)
+    }
+}
+
+impl Playing {
+    /// Plays at a speed, in simulated seconds per second.
+    pub fn at_speed(speed: f64) -> Self {
+        Playing { paused: false, speed, held_at: None, goal_secs: None }
+    }
+
+    /// Returns true if the next frame will look different.
+    pub fn is_moving(&self) -> bool {
+        self.goal_secs.is_some() || !(self.paused || self.held_at.is_some())
+    }
+
+    /// Goes to a moment of the figure: it is run again from its start in pieces, so that no frame
+    /// waits for it and the moment is the same as on the first run.
+    pub fn seek(&mut self, secs: f64) {
+        self.goal_secs = Some(secs.max(0.0));
+    }
+
+    /// Takes the next slower (−1) or faster (1) speed.
+    pub fn shift_speed(&mut self, by: isize) {
+        let now = SPEEDS.iter().position(|(speed, _)| *speed == self.speed);
+        let next = now.unwrap_or(SPEEDS.len() - 1).saturating_add_signed(by);
+        self.speed = SPEEDS[next.min(SPEEDS.len() - 1)].0;
+    }
+
+    /// Advances a figure by a frame of `elapsed_secs`.
+    pub fn advance(&mut self, live: &mut dyn LiveFigure, elapsed_secs: f64) {
+        match self.goal_secs {
+            Some(goal) => self.run_again(live, goal, Instant::now() + SLICE),
+            None if self.is_moving() => live.advance(elapsed_secs * self.speed),
+            None => {}
+        }
+    }
+
+    fn run_again(&mut self, live: &mut dyn LiveFigure, goal_secs: f64, until: Instant) {
+        if live.secs() > goal_secs {
+            live.restart();
+        }
+        loop {
+            let before = live.secs();
+            if before < goal_secs {
+                live.advance(PIECE_SECS.min(goal_secs - before));
+            }
+            // A figure that is held, or at its end, goes no further.
+            if live.secs() >= goal_secs || live.secs() <= before {
+                self.goal_secs = None;
+                return;
+            }
+            if Instant::now() >= until {
+                return;
+            }
+        }
+    }
+
+    /// Shows the controls of time for a figure.
+    pub(super) fn bar(&mut self, ui: &mut Ui, live: &mut dyn LiveFigure, briefly: bool) {
+        ui.horizontal(|ui| {
+            if ui.button(if self.paused { "Play" } else { "Pause" }).clicked() {
+                self.paused = !self.paused;
+            }
+            if ui.button("From the start").clicked() {
+                self.goal_secs = None;
+                live.restart();
+            }
+            if !briefly {
+                ui.label("Speed");
+                for (speed, name) in SPEEDS {
+                    ui.selectable_value(&mut self.speed, speed, name);
+                }
+            }
+            self.scrubber(ui, live.secs());
+        });
+    }
+
+    fn scrubber(&mut self, ui: &mut Ui, now_secs: f64) {
+        let mut secs = self.held_at.or(self.goal_secs).unwrap_or(now_secs);
+        let range = 0.0..=RANGE_SECS * (secs / RANGE_SECS).ceil().max(1.0);
+        let name = ui.label("Time");
+        ui.spacing_mut().slider_width = (ui.available_width() - 90.0).max(40.0);
+        let slider = ui.add(Slider::new(&mut secs, range).show_value(false));
+        let slider = slider.labelled_by(name.id);
+        if slider.changed() {
+            self.seek(secs);
+        }
+        self.held_at = slider.dragged().then_some(secs);
+        ui.monospace(format!("{now_secs:6.2} s"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Figure, Lab};
+
+    #[test]
+    fn a_moment_is_the_same_whether_run_once_or_sought() {
+        for figure in Figure::all() {
+            let (mut once, mut sought) = (Lab::new(figure), Lab::new(figure));
+            let Some(live) = once.live() else { continue };
+            (0..430).for_each(|_| live.advance(1.0 / 60.0));
+            for goal in [12.0, 430.0 / 60.0] {
+                sought.playing.seek(goal);
+                sought.playing.paused = true;
+                while sought.playing.is_moving() {
+                    sought.advance(1.0 / 60.0);
+                }
+                let reached = sought.live().unwrap().secs();
+                assert!((reached - goal).abs() < 0.02, "{figure:?}: {reached} for {goal}");
+            }
+            let (told, again) = (once.live().unwrap().told(), sought.live().unwrap().told());
+            assert_eq!(told, again, "{figure:?}");
+            // The figure moves: another moment reads otherwise.
+            once.live().unwrap().advance(0.2);
+            assert_ne!(once.live().unwrap().told(), again, "{figure:?}");
+        }
+    }
+
+    #[test]
+    fn time_stands_still_and_runs_slowly() {
+        let mut lab = Lab::new(Figure::Double);
+        let secs = |lab: &mut Lab| {
+            let before = lab.live().unwrap().secs();
+            (0..20).for_each(|_| lab.advance(0.05));
+            lab.live().unwrap().secs() - before
+        };
+        assert!((secs(&mut lab) - 1.0).abs() < 1e-6);
+        lab.playing.shift_speed(-2);
+        assert!((secs(&mut lab) - 0.25).abs() < 1e-6);
+        lab.playing.shift_speed(-9);
+        assert!((secs(&mut lab) - 0.1).abs() < 1e-6);
+        lab.playing.paused = true;
+        assert!(secs(&mut lab) == 0.0 && !lab.playing.is_moving());
+        lab.playing.shift_speed(9);
+        lab.playing.paused = false;
+        assert!((secs(&mut lab) - 1.0).abs() < 1e-6);
+    }
+}

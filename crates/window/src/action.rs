@@ -1,0 +1,154 @@
+//! The actions that the user can take.
+
+use std::path::PathBuf;
+
+use glam::DVec2;
+
+use super::camera::Camera;
+use super::colour_cycle::ColourCycle;
+use super::flight::playback::Playback;
+use super::pins::PinAction;
+use super::settings::{EdgeSamples, Layers, Theme};
+use super::state::Dialog;
+use flipmap_engine::{Accuracy, EngineKind};
+use flipmap_lab::Figure;
+use flipmap_numbers::Theta;
+use flipmap_pendulum::State;
+use flipmap_scene::{Document, PictureTable, Scene};
+
+/// A movement of the view. Points are measured from the middle of the canvas, y down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Look {
+    /// Drags the map along with the pointer by an offset in points.
+    Drag(DVec2),
+    /// Ends a drag.
+    Release,
+    /// Zooms by a factor about a point.
+    Zoom {
+        /// Magnification; above 1 zooms in.
+        factor: f64,
+        /// Point that stays in place.
+        about: DVec2,
+    },
+    /// Zooms so that the rectangle between two corners fills the canvas.
+    Box([DVec2; 2]),
+    /// Turns the map about the middle of the canvas, from one point to another.
+    Turn([DVec2; 2]),
+    /// Stretches the map: by this factor fewer radians than before from top to bottom.
+    Stretch(f64),
+    /// Moves by a share of the canvas.
+    Step(DVec2),
+    /// Shows the whole torus.
+    Home,
+    /// Goes back to the previous view.
+    Back,
+    /// Goes forward to the view that was left by going back.
+    Forward,
+    /// Moves to another camera.
+    To(Camera),
+}
+
+impl Action {
+    /// Returns true if the action needs the map to be visible.
+    pub fn is_of_map(&self) -> bool {
+        matches!(self, Action::Look(_) | Action::Pin(_) | Action::GoDeeper | Action::Layers(_))
+    }
+}
+
+/// An action in the laboratory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LabAction {
+    /// Plays or pauses the figure that is shown.
+    PlayPause,
+    /// Takes the next slower (−1) or faster (1) speed.
+    ShiftSpeed(isize),
+    /// Shows the lab to an audience, large and with few controls, or as usual again.
+    Projector,
+    /// Tells the story of the figures from its beginning, or ends it.
+    Story,
+    /// Shows the figure before (−1) or after (1) the one that is shown.
+    Step(isize),
+}
+
+/// An action of the user.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Moves the view.
+    Look(Look),
+    /// Sets the point of the map under the pointer, or none.
+    Hover(Option<DVec2>),
+    /// Sets the rectangle being drawn between two points, or none.
+    Drawing(Option<[DVec2; 2]>),
+    /// Starts an automatic descent from the pointer's position, or stops it.
+    GoDeeper,
+    /// Shows a figure of the laboratory, or the map again.
+    Lab(Option<Figure>),
+    /// Acts on the laboratory.
+    InLab(LabAction),
+    /// Opens a start in a figure.
+    OpenInLab(Figure, State<f64>),
+    /// Shows on the map a start that was chosen in the laboratory.
+    FromLab(State<f64>),
+    /// Pins the pixel at a point.
+    Pin(DVec2),
+    /// Removes the pin that the first click of a double click made.
+    Unpin,
+    /// Acts on a pin.
+    Pins(PinAction),
+    /// Plays or pauses the pendulum that is shown.
+    PlayPause,
+    /// Changes the pendulum, the question or the plane; the view stays if the plane does.
+    Scene(Box<Scene>),
+    /// Changes the colours.
+    Picture(PictureTable),
+    /// Starts, changes or stops the animation of the palette.
+    ColourCycle(ColourCycle),
+    /// Paints the map in the colours kept under a digit.
+    Favourite(u8),
+    /// Keeps the colours of the map under a digit.
+    KeepFavourite(u8),
+    /// Opens, changes or closes the clock by which the map is shown.
+    Timeline(Option<Playback>),
+    /// Changes the accuracy level.
+    Accuracy(Accuracy),
+    /// Changes the kind of engine.
+    Engine(Option<EngineKind>),
+    /// Reopens the engine after a failure.
+    TryAgain,
+    /// Shows or hides layers.
+    Layers(Layers),
+    /// Opens a panel at the side.
+    Panel(&'static str),
+    /// Opens or closes a dialog.
+    Toggle(Dialog),
+    /// Closes whatever is open.
+    Escape,
+    /// Shows a scene.
+    Show(Box<Document>),
+    /// Opens a file.
+    Open(PathBuf),
+    /// Asks the user for a file to open.
+    AskForFile,
+    /// Pastes a text, which should be a location.
+    Paste(String),
+    /// Copies the location.
+    CopyLocation,
+    /// Centres the map on a start.
+    Find([Theta; 2]),
+    /// Hides a notice.
+    Dismiss(u64),
+    /// Sets the scale of the interface.
+    UiScale(f32),
+    /// Sets the theme: dark, light, or that of the system.
+    Theme(Theme),
+    /// Turns smooth moves on or off.
+    Animate(bool),
+    /// Chooses the samples of pixels at edges while the view rests.
+    Edges(EdgeSamples),
+    /// Switches between full screen and a window.
+    FullScreen,
+    /// Destroys the graphics device, to check that the window survives its loss.
+    LoseDevice,
+    /// Closes the window.
+    Quit,
+}

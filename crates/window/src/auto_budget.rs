@@ -1,0 +1,121 @@
+//! Automatic budgets of the window's views, settled in the background: a deep one takes seconds.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+use super::camera::Camera;
+use super::compute_service::Wake;
+use super::model::AppModel;
+use flipmap_scene::{Budget, Build, QuestionTable, Scene};
+
+/// Returns a scene's question; a budget that equals the guess of an automatic one follows the depth.
+pub(super) fn following(scene: &Scene) -> QuestionTable {
+    let budget = scene.question.budget;
+    let guess = Budget { auto: true, ..budget }.guessed(&scene.build, &scene.view);
+    let auto = budget.auto || guess.secs == budget.secs;
+    QuestionTable { budget: Budget { auto, ..budget }, ..scene.question }
+}
+
+/// The automatic budget of the newest view.
+#[derive(Default)]
+pub(super) struct AutoBudget {
+    asked: Option<(Build, Camera)>,
+    settling: Option<Receiver<Budget>>,
+    settled: Option<Budget>,
+}
+
+impl AutoBudget {
+    /// Asks for the budget of a view, unless it is the one last asked for or another is being
+    /// settled; `scene` is its scene.
+    fn ask(&mut self, view: (Build, Camera), scene: impl FnOnce() -> Scene, wake: &Wake) {
+        if self.asked == Some(view) || self.settling.is_some() {
+            return;
+        }
+        (self.asked, self.settled) = (Some(view), None);
+        let (sender, settling) = channel();
+        self.settling = Some(settling);
+        let (scene, wake) = (scene(), Arc::clone(wake));
+        std::thread::spawn(move || {
+            super::compute_service::step_back();
+            // The receiver is gone once the budget has been fixed by hand.
+            let _ = sender.send(scene.settled().question.budget);
+            wake();
+        });
+    }
+
+    /// Takes and returns a budget that has been settled since the last call.
+    fn listen(&mut self) -> Option<Budget> {
+        let heard = self.settling.as_ref()?.try_recv();
+        if heard != Err(TryRecvError::Empty) {
+            self.settling = None;
+        }
+        self.settled = heard.ok().or(self.settled);
+        heard.ok()
+    }
+
+    /// Returns the settled budget of a view, which is not that of a scene opened there again.
+    fn of(&self, view: (Build, Camera)) -> Option<Budget> {
+        self.settled.filter(|_| self.asked == Some(view))
+    }
+}
+
+impl AppModel {
+    /// Fits an automatic budget to the view, or to that at the end of a move. Returns true if the
+    /// budget has changed.
+    pub(super) fn settle_budget(&mut self) -> bool {
+        let state = &self.state;
+        let budgets = &mut self.estimates.auto_budget;
+        // Only flips from rest get a longer budget where the view is deeper.
+        if !state.question.budget.auto || !state.scene().is_flip_from_rest() {
+            *budgets = AutoBudget::default();
+            return false;
+        }
+        let view = (state.build, state.target());
+        if !state.dragging {
+            budgets.ask(view, || state.document().scene(), &self.wake);
+        }
+        let heard = budgets.listen();
+        let Some(budget) = heard.or(budgets.of(view)) else { return false };
+        let news = budget != state.question.budget;
+        self.state.question.budget = budget;
+        news
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute_service::woken;
+    use crate::reach::Reach;
+    use flipmap_scene::View;
+    use std::time::Duration;
+
+    #[test]
+    fn one_view_is_settled_at_a_time_and_none_twice() {
+        let (wake, woken) = woken();
+        let mut budget = AutoBudget::default();
+        let center = ["1.1867310027236805013017550390625", "2.0440255543056208421702266796875"];
+        let view = |width: &str| View {
+            center: center.map(str::to_string),
+            width: width.to_string(),
+            ..View::default()
+        };
+        let key = |width: &str| (Build::default(), Camera::from_view(&view(width), Reach::TORUS));
+        let ask = |budget: &mut AutoBudget, width: &str| {
+            let mut scene = Scene { view: view(width), ..Scene::default() };
+            scene.question.budget.auto = true;
+            budget.ask(key(width), || scene, &wake);
+        };
+        ask(&mut budget, "2e-22");
+        ask(&mut budget, "2e-18");
+        woken.recv_timeout(Duration::from_secs(60)).unwrap();
+        assert_eq!(budget.listen().unwrap().secs, 65.0, "the first one that was asked for");
+        ask(&mut budget, "2e-22");
+        assert!(budget.listen().is_none(), "asked twice, settled once");
+        assert_eq!(budget.of(key("2e-22")).unwrap().secs, 65.0, "it is not forgotten");
+        assert!(budget.of(key("2e-18")).is_none());
+        ask(&mut budget, "2e-18");
+        woken.recv_timeout(Duration::from_secs(60)).unwrap();
+        assert_eq!(budget.listen().unwrap().secs, 55.0);
+    }
+}

@@ -1,0 +1,303 @@
+//! The commands, each with a name and most with a key: one list serves the keyboard, the list of
+//! keys and the command palette.
+
+use std::borrow::Cow;
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+use glam::DVec2;
+
+use super::action::{Action, LabAction, Look};
+use super::favourites::DIGITS;
+use super::flight::playback::Playback;
+use super::settings::{EdgeSamples, Layers, Theme};
+use super::side_panel::PANELS;
+use super::state::{AppState, Dialog};
+use flipmap_engine::Accuracy;
+use flipmap_lab::Figure;
+use flipmap_scene::palette::Palette;
+use flipmap_scene::{BUILT_IN, PictureTable};
+
+/// An action with a name.
+pub struct Command {
+    /// Short description of the command.
+    pub name: Cow<'static, str>,
+    /// Shortcuts that trigger it.
+    pub keys: Vec<KeyboardShortcut>,
+    /// Action that it triggers.
+    pub action: Action,
+}
+
+/// Share of the canvas by which an arrow key moves the view.
+const STEP: f64 = 0.15;
+/// Zoom factor of a key press.
+const KEY_ZOOM: f64 = std::f64::consts::SQRT_2;
+
+const PLAIN: Modifiers = Modifiers::NONE;
+
+fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(modifiers, key)
+}
+
+/// Returns every command, as it would act on a state.
+pub fn commands(state: &AppState) -> Vec<Command> {
+    let mut commands = moving();
+    commands.extend(showing(&state.layers));
+    commands.extend(doing(state));
+    commands.extend(teaching());
+    commands
+}
+
+fn command(
+    name: impl Into<Cow<'static, str>>,
+    keys: impl IntoIterator<Item = KeyboardShortcut>,
+    action: Action,
+) -> Command {
+    let name = name.into();
+    Command { name, keys: keys.into_iter().collect(), action }
+}
+
+fn moving() -> Vec<Command> {
+    let step = |x, y| Action::Look(Look::Step(DVec2::new(x, y) * STEP));
+    let zoom = |factor| Action::Look(Look::Zoom { factor, about: DVec2::ZERO });
+    vec![
+        command("Move left", [key(PLAIN, Key::ArrowLeft)], step(-1.0, 0.0)),
+        command("Move right", [key(PLAIN, Key::ArrowRight)], step(1.0, 0.0)),
+        command("Move up", [key(PLAIN, Key::ArrowUp)], step(0.0, -1.0)),
+        command("Move down", [key(PLAIN, Key::ArrowDown)], step(0.0, 1.0)),
+        command("Zoom in", [key(PLAIN, Key::Plus), key(PLAIN, Key::Equals)], zoom(KEY_ZOOM)),
+        command("Zoom out", [key(PLAIN, Key::Minus)], zoom(1.0 / KEY_ZOOM)),
+        command("The whole map", [key(PLAIN, Key::Num0)], Action::Look(Look::Home)),
+        command(
+            "Back to the view before",
+            [key(PLAIN, Key::Backspace), key(Modifiers::ALT, Key::ArrowLeft)],
+            Action::Look(Look::Back),
+        ),
+        command(
+            "Forward again",
+            [key(Modifiers::ALT, Key::ArrowRight)],
+            Action::Look(Look::Forward),
+        ),
+    ]
+}
+
+fn showing(layers: &Layers) -> Vec<Command> {
+    let layer = |change: fn(&mut Layers)| {
+        let mut layers = *layers;
+        change(&mut layers);
+        Action::Layers(layers)
+    };
+    let keyed = |letter| [key(PLAIN, letter)];
+    vec![
+        command("Energy curve", keyed(Key::C), layer(|layers| layers.curve ^= true)),
+        command("Doubts, hatched", keyed(Key::T), layer(|layers| layers.trust ^= true)),
+        command("Legend", keyed(Key::L), layer(|layers| layers.legend ^= true)),
+        command("Grid of angles", keyed(Key::G), layer(|layers| layers.grid ^= true)),
+        command("Borders of tiles", keyed(Key::B), layer(|layers| layers.borders ^= true)),
+        command("Pendulum at the pointer", keyed(Key::H), layer(|layers| layers.swing ^= true)),
+        command("Panels at the side", keyed(Key::F9), Action::Toggle(Dialog::Side)),
+        command("All pendulums in the whole window", keyed(Key::F), Action::Toggle(Dialog::Stage)),
+        command("Keys", keyed(Key::F1), Action::Toggle(Dialog::Help)),
+        command("What you are seeing", [], Action::Toggle(Dialog::Card)),
+        command(
+            "Commands",
+            [key(Modifiers::COMMAND, Key::K), key(Modifiers::COMMAND, Key::P)],
+            Action::Toggle(Dialog::Commands),
+        ),
+        command("What the window measures", keyed(Key::F12), Action::Toggle(Dialog::Debug)),
+        command("Full screen", keyed(Key::F11), Action::FullScreen),
+    ]
+}
+
+fn doing(state: &AppState) -> Vec<Command> {
+    let accuracy = |accuracy| Action::Accuracy(accuracy);
+    let scale = |factor: f32| Action::UiScale(state.look.ui_scale * factor);
+    let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
+    let mut commands = vec![
+        command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
+        command("Go deeper here, or stop", [key(PLAIN, Key::D)], Action::GoDeeper),
+        command("Play or pause", [key(PLAIN, Key::Space)], Action::PlayPause),
+        command(
+            "Time on the map, or the whole map",
+            [key(PLAIN, Key::M)],
+            Action::Timeline(state.shown.timeline.xor(Some(Playback::default()))),
+        ),
+        command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
+        command("Copy the location", ctrl(Key::L), Action::CopyLocation),
+        command("Accuracy: lesson", [], accuracy(Accuracy::Lesson)),
+        command("Accuracy: fast", [], accuracy(Accuracy::Fast)),
+        command("Accuracy: balanced", [], accuracy(Accuracy::Balanced)),
+        command("Accuracy: exact", [], accuracy(Accuracy::Exact)),
+        command("Interface larger", ctrl(Key::Plus), scale(1.1)),
+        command("Interface smaller", ctrl(Key::Minus), scale(1.0 / 1.1)),
+        command("Dark", [], Action::Theme(Theme::Dark)),
+        command("Light", [], Action::Theme(Theme::Light)),
+        command("Smooth moves on or off", [], Action::Animate(!state.look.animate)),
+        command("Anti-aliasing at rest: none", [], Action::Edges(EdgeSamples::One)),
+        command("Anti-aliasing at rest: 4 samples", [], Action::Edges(EdgeSamples::Four)),
+        command("Anti-aliasing at rest: 16 samples", [], Action::Edges(EdgeSamples::Sixteen)),
+        command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
+        command("Quit", ctrl(Key::Q), Action::Quit),
+    ];
+    if state.shown.debug {
+        commands.push(command("Lose the graphics device", [], Action::LoseDevice));
+    }
+    commands
+}
+
+/// The commands of the laboratory.
+fn teaching() -> Vec<Command> {
+    let lab = |action| Action::InLab(action);
+    let figures = Figure::all().map(|figure| {
+        command(figure.title(), [key(PLAIN, figure.key())], Action::Lab(Some(figure)))
+    });
+    let others = [
+        command("Story of the figures", [], lab(LabAction::Story)),
+        command("Next figure", [key(PLAIN, Key::PageDown)], lab(LabAction::Step(1))),
+        command("Figure before", [key(PLAIN, Key::PageUp)], lab(LabAction::Step(-1))),
+        command("Figure slower", [key(PLAIN, Key::Comma)], lab(LabAction::ShiftSpeed(-1))),
+        command("Figure faster", [key(PLAIN, Key::Period)], lab(LabAction::ShiftSpeed(1))),
+        command(
+            "Projector: large, few controls",
+            [key(PLAIN, Key::F10)],
+            lab(LabAction::Projector),
+        ),
+        command("Leave the lab", [], Action::Lab(None)),
+    ];
+    figures.chain(others).collect()
+}
+
+/// Returns the commands for colours kept under digits; one line of the list of keys stands for all.
+pub fn favourites() -> Vec<Command> {
+    const KEYS: [Key; 9] = [
+        Key::Num1,
+        Key::Num2,
+        Key::Num3,
+        Key::Num4,
+        Key::Num5,
+        Key::Num6,
+        Key::Num7,
+        Key::Num8,
+        Key::Num9,
+    ];
+    let of_digit = |(digit, number): (u8, Key)| {
+        // Shift turns some digits into other keys that have names of their own.
+        let shifted = (digit == 1).then_some(Key::Exclamationmark);
+        let shifted =
+            std::iter::once(number).chain(shifted).map(|name| key(Modifiers::SHIFT, name));
+        let (show, keep) = (Action::Favourite(digit), Action::KeepFavourite(digit));
+        [
+            command(format!("Favourite colours {digit}"), [key(PLAIN, number)], show),
+            command(format!("Keep these colours as {digit}"), shifted, keep),
+        ]
+    };
+    DIGITS.zip(KEYS).flat_map(of_digit).collect()
+}
+
+/// Returns what can be chosen by name but has no key: panels, places and palettes. For the command
+/// palette alone, since it reads the scenes.
+pub fn choices(picture: &PictureTable) -> Vec<Command> {
+    let panels = PANELS.map(|name| command(format!("Panel: {name}"), [], Action::Panel(name)));
+    let places = BUILT_IN.iter().map(|place| {
+        let show = Action::Show(Box::new(place.document()));
+        command(format!("Place: {}", place.name), [], show)
+    });
+    let palettes = Palette::names().map(|name| {
+        let picture = PictureTable { palette: name.to_string(), ..picture.clone() };
+        command(format!("Palette: {name}"), [], Action::Picture(picture))
+    });
+    panels.into_iter().chain(places).chain(palettes).chain(favourites()).collect()
+}
+
+/// Takes the shortcuts of commands out of the input and returns their actions. While `typing`,
+/// takes only those that no text field needs.
+pub fn pressed(input: &mut egui::InputState, state: &AppState, typing: bool) -> Vec<Action> {
+    let mut actions = Vec::new();
+    let mut known: Vec<(KeyboardShortcut, Action)> = commands(state)
+        .into_iter()
+        .chain(favourites())
+        .flat_map(|c| c.keys.into_iter().map(move |key| (key, c.action.clone())))
+        .collect();
+    // egui matches a shortcut without modifiers even with Alt held, so specific ones come first.
+    known.sort_by_key(|(key, _)| std::cmp::Reverse(usize::from(key.modifiers != PLAIN)));
+    for (shortcut, action) in known {
+        let for_text = shortcut.modifiers == PLAIN && !is_function_key(shortcut.logical_key);
+        if typing && for_text && shortcut.logical_key != Key::Escape {
+            continue;
+        }
+        let count = input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key);
+        actions.extend(std::iter::repeat_n(action, count));
+    }
+    actions
+}
+
+fn is_function_key(key: Key) -> bool {
+    (Key::F1..=Key::F12).contains(&key)
+}
+
+/// Returns the text of a shortcut, such as `Ctrl+K`.
+pub fn shortcut_text(shortcut: &KeyboardShortcut) -> String {
+    let mut text = String::new();
+    for (held, name) in [
+        (shortcut.modifiers.command, "Ctrl+"),
+        (shortcut.modifiers.alt, "Alt+"),
+        (shortcut.modifiers.shift, "Shift+"),
+    ] {
+        if held {
+            text.push_str(name);
+        }
+    }
+    // Arrows are named, because not every font has their symbols.
+    text + match shortcut.logical_key {
+        Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown => {
+            shortcut.logical_key.name()
+        }
+        key => key.symbol_or_name(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state::tests::state;
+
+    #[test]
+    fn every_name_and_every_key_is_used_once() {
+        let state = state();
+        let mut commands = commands(&state);
+        commands.extend(choices(&state.picture));
+        let mut names: Vec<_> = commands.iter().map(|command| command.name.clone()).collect();
+        let mut keys: Vec<String> =
+            commands.iter().flat_map(|c| &c.keys).map(shortcut_text).collect();
+        let (all_names, all_keys) = (names.len(), keys.len());
+        names.sort_unstable();
+        names.dedup();
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!((names.len(), keys.len()), (all_names, all_keys));
+    }
+
+    #[test]
+    fn keys_become_actions_unless_a_text_field_wants_them() {
+        let press = |modifiers, key, typing| {
+            let mut input = egui::InputState::default();
+            input.events.push(egui::Event::Key {
+                key,
+                physical_key: None,
+                pressed: true,
+                repeat: false,
+                modifiers,
+            });
+            pressed(&mut input, &state(), typing)
+        };
+        assert_eq!(press(PLAIN, Key::Num0, false), [Action::Look(Look::Home)]);
+        assert_eq!(press(PLAIN, Key::Num0, true), []);
+        assert_eq!(press(PLAIN, Key::Num3, false), [Action::Favourite(3)]);
+        assert_eq!(press(Modifiers::SHIFT, Key::Num3, false), [Action::KeepFavourite(3)]);
+        let shifted = press(Modifiers::SHIFT, Key::Exclamationmark, false);
+        assert_eq!(shifted, [Action::KeepFavourite(1)]);
+        assert_eq!(press(PLAIN, Key::F1, true), [Action::Toggle(Dialog::Help)]);
+        assert_eq!(press(Modifiers::ALT, Key::ArrowLeft, false), [Action::Look(Look::Back)]);
+        let left = Action::Look(Look::Step(DVec2::new(-STEP, -0.0)));
+        assert_eq!(press(PLAIN, Key::ArrowLeft, false), [left]);
+    }
+}

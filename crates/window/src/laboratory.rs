@@ -1,0 +1,207 @@
+//! The laboratory in the window: its figures in place of the map, or the map with an explanation.
+
+use egui::{Align2, ScrollArea, Ui, vec2};
+
+use super::action::{Action, LabAction, Look};
+use super::camera::Camera;
+use super::hover;
+use super::model::AppModel;
+use super::reach::Reach;
+use super::settings::Settings;
+use super::state::Effect;
+use flipmap_lab::flips::{Seen, explain};
+use flipmap_lab::{Figure, FigureRequest, story};
+use flipmap_numbers::{Scalar, Theta};
+use flipmap_pendulum::State;
+use flipmap_scene::{Build, Plane, Scene};
+
+/// Width of the view that shows a start from the laboratory, as a fraction of the home view's.
+const PART: f64 = 1.0 / 16.0;
+/// Scale of the interface before an audience, relative to the user's own.
+const PROJECTOR_SCALE: f32 = 1.6;
+
+impl AppModel {
+    /// Returns true if a figure is shown in place of the map.
+    pub(super) fn lab_hides_map(&self) -> bool {
+        self.state.shown.lab && self.lab.figure != Figure::Map
+    }
+
+    /// Returns the name of the figure shown in place of the map.
+    pub fn figure_shown(&self) -> Option<&'static str> {
+        self.lab_hides_map().then(|| self.lab.figure.name())
+    }
+
+    /// Returns true if the lab is shown to an audience.
+    pub(super) fn is_projecting(&self) -> bool {
+        self.state.shown.lab && self.lab.projector
+    }
+
+    /// Returns the scale of the interface.
+    pub fn ui_scale(&self) -> f32 {
+        let factor = if self.is_projecting() { PROJECTOR_SCALE } else { 1.0 };
+        Settings::within_ui_scales(self.state.look.ui_scale * factor)
+    }
+
+    /// Returns what an action means in the place where the user is: a figure takes the keys that
+    /// would otherwise act on the pins, the map's clock, or close the lab.
+    pub(super) fn in_place(&self, action: Action) -> Action {
+        let dialogs = self.state.shown.help || self.state.shown.commands;
+        match action {
+            Action::PlayPause if self.lab_hides_map() => Action::InLab(LabAction::PlayPause),
+            Action::Escape if self.is_projecting() && !dialogs => {
+                Action::InLab(LabAction::Projector)
+            }
+            other => other,
+        }
+    }
+
+    /// Carries out an action on the laboratory.
+    pub(super) fn in_lab(&mut self, action: LabAction) {
+        let lab = &mut self.lab;
+        match action {
+            LabAction::PlayPause => lab.playing.paused ^= true,
+            LabAction::ShiftSpeed(by) => lab.playing.shift_speed(by),
+            LabAction::Projector => {
+                // Before an audience means in the lab: from the map, the lab is opened, too.
+                lab.projector = !(lab.projector && self.state.shown.lab);
+                self.show_figure(Some(self.lab.figure));
+            }
+            LabAction::Story => {
+                lab.story = !(lab.story && self.state.shown.lab);
+                if lab.story {
+                    self.show_figure(Some(Figure::Single));
+                }
+            }
+            LabAction::Step(by) => {
+                if let Some(figure) = lab.figure.beside(by).filter(|_| self.state.shown.lab) {
+                    self.show_figure(Some(figure));
+                }
+            }
+        }
+    }
+
+    /// Shows a figure, or the map again.
+    pub(super) fn show_figure(&mut self, figure: Option<Figure>) {
+        self.state.shown.lab = figure.is_some();
+        match figure {
+            Some(figure) => self.lab.show_figure(figure),
+            None => (self.lab.projector, self.lab.story) = (false, false),
+        }
+        if self.lab_hides_map() {
+            self.compute.rest();
+        }
+    }
+
+    /// Opens a start in a figure.
+    pub(super) fn open_in_lab(&mut self, figure: Figure, start: State<f64>) {
+        self.lab.open(figure, start);
+        self.show_figure(Some(figure));
+    }
+
+    /// Shows the tabs of all figures; before an audience only what is needed to go on.
+    pub(super) fn figure_tabs(&self, ui: &mut Ui) -> Vec<Action> {
+        let mut actions = Vec::new();
+        ui.horizontal_wrapped(|ui| {
+            if self.lab.projector {
+                for (name, by) in [("Figure before", -1), ("Next figure", 1)] {
+                    let is_there = self.lab.figure.beside(by).is_some();
+                    if ui.add_enabled(is_there, egui::Button::new(name)).clicked() {
+                        actions.push(Action::InLab(LabAction::Step(by)));
+                    }
+                }
+                if ui.button("Leave the projector mode").on_hover_text("Escape").clicked() {
+                    actions.push(Action::InLab(LabAction::Projector));
+                }
+                return;
+            }
+            for figure in Figure::all() {
+                let shown = self.lab.figure == figure;
+                if ui.selectable_label(shown, figure.name()).on_hover_text(figure.title()).clicked()
+                {
+                    actions.push(Action::Lab(Some(figure)));
+                }
+            }
+            ui.separator();
+            if ui.selectable_label(self.lab.story, "Story").clicked() {
+                actions.push(Action::InLab(LabAction::Story));
+            }
+            if ui.button("Projector").on_hover_text("Large, with few controls (F10)").clicked() {
+                actions.push(Action::InLab(LabAction::Projector));
+            }
+            if ui.button("Leave the lab").clicked() {
+                actions.push(Action::Lab(None));
+            }
+        });
+        actions
+    }
+
+    /// Shows the figure that hides the map; it advances only while it is visible.
+    pub(super) fn figure(&mut self, ui: &mut Ui) -> Vec<Action> {
+        self.lab.advance(f64::from(ui.input(|input| input.stable_dt)));
+        let mut actions = self.figure_tabs(ui);
+        ui.separator();
+        let request = self.lab.show(ui);
+        if self.lab.playing.is_moving() {
+            ui.ctx().request_repaint();
+        }
+        actions.extend(request.and_then(action_for));
+        actions
+    }
+
+    /// Shows the explanation of the map beside it, and the story if it is told.
+    pub(super) fn explanation(&mut self, ctx: &egui::Context) -> Vec<Action> {
+        let counts = self.compute.explorer.counts();
+        let seen = Seen {
+            pixels: counts.pixels,
+            forbidden: counts.forbidden,
+            simulated: counts.simulated,
+        };
+        let mut actions = Vec::new();
+        let window = egui::Window::new("What you are seeing").default_width(330.0);
+        let most = (ctx.content_rect().height() - 140.0).max(100.0);
+        window.anchor(Align2::LEFT_TOP, vec2(12.0, 48.0)).resizable(false).show(ctx, |ui| {
+            ScrollArea::vertical().max_height(most).show(ui, |ui| {
+                if self.lab.story {
+                    match story::card(ui, Figure::Map) {
+                        Some(FigureRequest::EndStory) => self.lab.story = false,
+                        request => actions.extend(request.and_then(action_for)),
+                    }
+                }
+                ui.label(Figure::Map.sentence());
+                if let Some(kind) = explain(ui, &self.state.document(), &seen) {
+                    let build = Build { kind, ..self.state.build };
+                    actions.push(Action::Scene(Box::new(Scene { build, ..self.state.scene() })));
+                }
+            });
+        });
+        actions
+    }
+
+    /// Goes to a start on the map, or on that of pendulums thrown with its speeds, and pins it.
+    pub(super) fn aimed_in_lab(&mut self, start: State<f64>) {
+        self.state.shown.lab = false;
+        let [omega1, omega2] = start.speed.map(|speed| speed.to_string());
+        let origin = ["0".to_string(), "0".to_string(), omega1, omega2];
+        let plane = Plane { origin, ..Plane::default() };
+        if self.state.plane != plane {
+            let scene = Scene { plane, ..self.state.scene() };
+            self.act(vec![Action::Scene(Box::new(scene))]);
+        }
+        let home = Camera::whole(Reach::TORUS);
+        let width_rad = home.width_rad * PART;
+        let center = start.angle.map(|angle| Theta::from_f64(angle).wrapped());
+        let camera = Camera { center, width_rad, ..home };
+        self.act(vec![Action::Look(Look::To(camera))]);
+        let level = self.state.aimed_screen().level();
+        self.affect(Effect::Pin(Box::new(hover::sample_at(camera.center, level))));
+    }
+}
+
+/// Returns the action that a figure's request asks for; the end of the story needs none.
+fn action_for(request: FigureRequest) -> Option<Action> {
+    match request {
+        FigureRequest::ToMap(start) => Some(Action::FromLab(start)),
+        FigureRequest::Show(figure) => Some(Action::Lab(Some(figure))),
+        FigureRequest::EndStory => None,
+    }
+}

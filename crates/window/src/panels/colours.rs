@@ -1,0 +1,198 @@
+//! The mapping of answers to colours, with a legend. Nothing here recomputes anything.
+
+use egui::{ComboBox, Grid, Role, Slider, Ui, WidgetInfo};
+
+use super::colour_strip::{legend, strip};
+use super::field::number;
+use super::ground::grounds;
+use super::stops::stops;
+use crate::colour_cycle::{CYCLE_SPEEDS, ColourCycle};
+use flipmap_scene::palette::{AnswerColours, Palette, Tones};
+use flipmap_scene::question::Ask;
+use flipmap_scene::{PictureTable, Scale, Scene};
+
+/// An action of the user on the colours.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ColourAction {
+    /// Paints the map with these picture settings.
+    Paint(PictureTable),
+    /// Spreads the palette over the times in view.
+    Equalise,
+    /// Starts, changes or stops the animation of the palette.
+    Cycle(ColourCycle),
+}
+
+/// Shows how the picture of a scene is painted; `has_samples` is true if the view has samples to
+/// spread the palette over, and `cycle` says how the palette is animated.
+pub fn colours_panel(
+    ui: &mut Ui,
+    picture: &PictureTable,
+    scene: &Scene,
+    has_samples: bool,
+    cycle: &ColourCycle,
+) -> Option<ColourAction> {
+    let (unit_secs, question) = (scene.build.unit_secs(), &scene.question);
+    let (Ok(colours), Ok(tones)) =
+        (AnswerColours::new(scene, picture), Tones::new(picture, unit_secs, question.budget.secs))
+    else {
+        return back(ui, picture);
+    };
+    let mut new = picture.clone();
+    legend(ui, &colours, question.ask, picture.palette.as_str());
+    if question.ask.kind().channels.len() > 1 {
+        channels(ui, &mut new, question.ask);
+    }
+    ui.separator();
+    palettes(ui, &mut new);
+    grounds(ui, &mut new.colours, colours.ground());
+    if question.ask.is_time() {
+        ui.separator();
+        range(ui, &mut new, &tones);
+        repeats(ui, &mut new, picture);
+        let action = animated(ui, has_samples, cycle);
+        if action.is_some() {
+            return action;
+        }
+    }
+    if colours.times().is_some() {
+        ui.separator();
+        relief(ui, &mut new);
+    }
+    if let Some(action) = back(ui, picture) {
+        return Some(action);
+    }
+    (new != *picture && new.check().is_ok()).then_some(ColourAction::Paint(new))
+}
+
+/// Shows a button that restores the default colours; the energy curve and the samples stay.
+fn back(ui: &mut Ui, picture: &PictureTable) -> Option<ColourAction> {
+    let PictureTable { curve, samples, bits, .. } = *picture;
+    let plain = PictureTable { curve, samples, bits, ..PictureTable::default() };
+    let button = ui.add_enabled(*picture != plain, egui::Button::new("Back to the default"));
+    button.clicked().then_some(ColourAction::Paint(plain))
+}
+
+/// Shows the choice of the channel that is painted.
+fn channels(ui: &mut Ui, picture: &mut PictureTable, ask: Ask) {
+    const NATURAL: &str = "as is natural";
+    ui.horizontal(|ui| {
+        let label = ui.label("Channel");
+        let shown = picture.channel.as_deref().unwrap_or(NATURAL).to_string();
+        let combo = ComboBox::from_id_salt("channel").selected_text(shown).show_ui(ui, |ui| {
+            ui.selectable_value(&mut picture.channel, None, NATURAL);
+            for channel in ask.kind().channels {
+                let name = Some(channel.name.to_string());
+                ui.selectable_value(&mut picture.channel, name, channel.name);
+            }
+            if let Some((name, _)) = ask.kind().tint {
+                ui.selectable_value(&mut picture.channel, Some(name.to_string()), name);
+            }
+        });
+        combo.response.labelled_by(label.id);
+    });
+}
+
+fn palettes(ui: &mut Ui, picture: &mut PictureTable) {
+    Grid::new("palettes").num_columns(2).show(ui, |ui| {
+        // The user's own gradient, while it is in use.
+        let own = picture.palette.starts_with('#').then(|| picture.palette.clone());
+        let named = Palette::names().map(str::to_string);
+        for text in named.chain(own) {
+            let Ok(palette) = Palette::named(&text) else { continue };
+            ui.radio_value(&mut picture.palette, text, palette.name);
+            let response = strip(ui, 14.0, |share| palette.colour(share));
+            response.widget_info(|| {
+                WidgetInfo::labeled(Role::Image, true, format!("Colours of {}", palette.name))
+            });
+            ui.end_row();
+        }
+    });
+    ui.label("Drop a gradient on the window: .map, .ugr or .gpl.");
+    stops(ui, &mut picture.palette);
+    ui.checkbox(&mut picture.reverse, "Reverse the palette");
+}
+
+/// Shows what follows when the palette has been run through. Further runs are mirrored from the start
+/// unless the palette ends as it begins.
+fn repeats(ui: &mut Ui, new: &mut PictureTable, old: &PictureTable) {
+    if old.cycles == 1.0 && new.cycles > 1.0 {
+        new.mirror = !Palette::is_cyclic(&new.palette);
+    }
+    ui.horizontal(|ui| {
+        let name = ui.label("Offset");
+        ui.spacing_mut().slider_width = 90.0;
+        ui.add(Slider::new(&mut new.offset, PictureTable::OFFSETS).max_decimals(3))
+            .labelled_by(name.id);
+        ui.checkbox(&mut new.mirror, "Mirrored")
+            .on_hover_text("Every second run through the palette goes backwards: no seam");
+    });
+}
+
+/// Shows how the palette is spread over the view, and how it runs over it.
+fn animated(ui: &mut Ui, has_samples: bool, cycle: &ColourCycle) -> Option<ColourAction> {
+    let spread = ui.add_enabled(has_samples, egui::Button::new("Equalise to this view"));
+    if spread.on_hover_text("Every colour is seen equally often").clicked() {
+        return Some(ColourAction::Equalise);
+    }
+    let mut new = *cycle;
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut new.runs, "Let the colours run");
+        let name = ui.label("Speed");
+        ui.spacing_mut().slider_width = 70.0;
+        let speed = Slider::new(&mut new.speed, CYCLE_SPEEDS).logarithmic(true).show_value(false);
+        ui.add(speed).labelled_by(name.id);
+    });
+    (new != *cycle).then_some(ColourAction::Cycle(new))
+}
+
+/// Shows the light from the side.
+fn relief(ui: &mut Ui, picture: &mut PictureTable) {
+    Grid::new("relief").num_columns(2).show(ui, |ui| {
+        ui.spacing_mut().slider_width = 120.0;
+        let name = ui.label("Relief");
+        ui.add(Slider::new(&mut picture.relief, PictureTable::RELIEFS).max_decimals(2))
+            .labelled_by(name.id)
+            .on_hover_text("Light from the side on a landscape whose height is the time");
+        ui.end_row();
+        let name = ui.label("Light from");
+        let light = Slider::new(&mut picture.light, 0.0..=360.0).suffix("°").max_decimals(0);
+        ui.add_enabled(picture.relief > 0.0, light)
+            .labelled_by(name.id)
+            .on_hover_text("Anticlockwise from the right");
+        ui.end_row();
+    });
+}
+
+fn range(ui: &mut Ui, picture: &mut PictureTable, tones: &Tones) {
+    Grid::new("range").num_columns(2).show(ui, |ui| {
+        let [from, to] = tones.range_secs();
+        let (first, last) = (*PictureTable::SECS.start(), *PictureTable::SECS.end());
+        if let Some(from) = number(ui, "From", " s", from, first..=to / APART) {
+            picture.times = vec![from, to];
+        }
+        ui.end_row();
+        if let Some(to) = number(ui, "To", " s", to, from * APART..=last) {
+            picture.times = vec![from, to];
+        }
+        ui.end_row();
+        ui.label("Scale");
+        ui.horizontal(|ui| {
+            let log = ui.radio_value(&mut picture.scale, Scale::Log, "log");
+            log.on_hover_text("Equal ratios of times are equal steps of colour");
+            let linear = ui.radio_value(&mut picture.scale, Scale::Linear, "linear");
+            linear.on_hover_text("Equal differences of times are equal steps of colour");
+            let steps = ui.radio_value(&mut picture.scale, Scale::Steps, "steps");
+            steps.on_hover_text("One colour for all between two of the times");
+        });
+        ui.end_row();
+        let cycles = number(ui, "Cycles", "", picture.cycles, PictureTable::CYCLES);
+        picture.cycles = cycles.unwrap_or(picture.cycles);
+        ui.end_row();
+    });
+    if picture.times.len() > 2 {
+        ui.label(format!("Stretched over {} intervals of time", picture.times.len() - 1));
+    }
+}
+
+/// Least ratio of the end of a range to its beginning.
+const APART: f64 = 1.001;

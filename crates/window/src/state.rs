@@ -1,0 +1,572 @@
+//! The state of the window as plain data, and how actions change it.
+
+use std::path::PathBuf;
+
+use glam::DVec2;
+
+use super::action::{Action, LabAction};
+use super::auto_budget::following;
+use super::camera::{Camera, Move, Screen};
+use super::colour_cycle::ColourCycle;
+use super::flight::playback::Playback;
+use super::history::History;
+use super::integration::Integration;
+use super::notices::Notices;
+use super::pins::{PinAction, Pins};
+use super::reach::Reach;
+use super::settings::{Appearance, Layers, Settings};
+use flipmap_engine::run_settings::RunSpec;
+use flipmap_engine::{Accuracy, IntegratorConfig};
+use flipmap_lab::Figure;
+use flipmap_numbers::Theta;
+use flipmap_pendulum::State;
+use flipmap_render::tiles::view_target::{Physics, ViewTarget};
+use flipmap_scene::{Build, Document, PictureTable, Plane, QuestionTable, Scene};
+
+/// A panel or window that opens over or beside the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialog {
+    /// The panels at the side.
+    Side,
+    /// The list of keys.
+    Help,
+    /// The command palette.
+    Commands,
+    /// The window's measurements of itself.
+    Debug,
+    /// The card of the first start.
+    Card,
+    /// The pendulums of all pins, in place of the map.
+    Stage,
+}
+
+/// The dialogs that are open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpenDialogs {
+    /// True if the panels at the side are shown.
+    pub side: bool,
+    /// Panel at the side that is to be opened and scrolled to.
+    pub panel: Option<&'static str>,
+    /// True if the list of keys is shown.
+    pub help: bool,
+    /// True if the command palette is shown.
+    pub commands: bool,
+    /// True if the window's measurements of itself are shown.
+    pub debug: bool,
+    /// True if the card of the first start is shown.
+    pub card: bool,
+    /// True if the pendulums of all pins are shown in place of the map.
+    pub stage: bool,
+    /// True if the laboratory is shown.
+    pub lab: bool,
+    /// Clock by which the map is shown, if any: later flips are not drawn.
+    pub timeline: Option<Playback>,
+    /// Animation of the palette.
+    pub cycle: ColourCycle,
+}
+
+/// An effect of an action that has to be carried out outside the plain state.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// Closes the window.
+    Quit,
+    /// Switches between full screen and a window.
+    FullScreen,
+    /// Puts a text into the clipboard.
+    Copy(String),
+    /// Asks the user for a file.
+    AskForFile,
+    /// Reads a file and shows what is in it.
+    Open(PathBuf),
+    /// Opens an engine for the setting.
+    Reopen,
+    /// Launches a flight for the pixel at a place of the lattice, and for its neighbour's.
+    Pin(Box<[[Theta; 2]; 2]>),
+    /// Starts or stops an automatic descent.
+    GoDeeper,
+    /// Shows a figure of the laboratory, or the map again.
+    Lab(Option<Figure>),
+    /// Acts on the laboratory.
+    InLab(LabAction),
+    /// Opens a start in a figure.
+    OpenInLab(Figure, State<f64>),
+    /// Shows a start on the map.
+    FromLab(State<f64>),
+    /// Paints the map in the colours kept under a digit.
+    Favourite(u8),
+    /// Keeps the colours of the map under a digit.
+    KeepFavourite(u8),
+    /// Relaunches the flights of the pins after a change of the physics.
+    Relaunch,
+    /// Destroys the graphics device.
+    LoseDevice,
+}
+
+/// The plain state of the window.
+#[derive(Debug)]
+pub struct AppState {
+    /// Pendulum that is shown.
+    pub build: Build,
+    /// Question that is asked about it.
+    pub question: QuestionTable,
+    /// Plane of starts that the view lies in.
+    pub plane: Plane,
+    /// Colours of the map.
+    pub picture: PictureTable,
+    /// True if the times of the palette follow a deep view.
+    pub spreads: bool,
+    /// Integration of pixels, and the engine for it.
+    pub integration: Integration,
+    /// Camera of the current view.
+    pub camera: Camera,
+    /// Move in progress, if any.
+    pub moving: Option<Move>,
+    /// True while the map is being dragged.
+    pub dragging: bool,
+    /// History of visited views.
+    pub history: History,
+    /// Size of the canvas in points.
+    pub canvas: DVec2,
+    /// Physical pixels per point.
+    pub pixels_per_point: f64,
+    /// Position of the pointer on the canvas, if it is there.
+    pub pointer: Option<DVec2>,
+    /// Rectangle being drawn, if any.
+    pub drawing: Option<[DVec2; 2]>,
+    /// Layers drawn over the colours.
+    pub layers: Layers,
+    /// Dialogs that are open.
+    pub shown: OpenDialogs,
+    /// Notices to the user.
+    pub notices: Notices,
+    /// Pinned pixels.
+    pub pins: Pins,
+    /// Appearance of the window.
+    pub look: Appearance,
+    /// Time on the window's clock in s.
+    pub now_secs: f64,
+}
+
+impl AppState {
+    /// Creates the state of a document with its resolved settings.
+    pub fn new(document: &Document, spec: RunSpec) -> Self {
+        let scene = document.scene();
+        let canvas = DVec2::new(1280.0, 800.0);
+        let camera = Camera::from_view(&scene.view.fitted(canvas.to_array()), Reach::of(&scene));
+        AppState {
+            build: scene.build,
+            question: following(&scene),
+            plane: scene.plane.clone(),
+            picture: document.picture.clone(),
+            spreads: document.picture.times.is_empty(),
+            integration: Integration { spec, kind: None },
+            camera,
+            moving: None,
+            dragging: false,
+            history: History::new(camera),
+            canvas,
+            pixels_per_point: 1.0,
+            pointer: None,
+            drawing: None,
+            layers: Layers { curve: document.picture.curve, ..Layers::default() },
+            shown: OpenDialogs {
+                side: true,
+                panel: None,
+                help: false,
+                commands: false,
+                debug: false,
+                card: false,
+                stage: false,
+                lab: false,
+                timeline: None,
+                cycle: ColourCycle::default(),
+            },
+            notices: Notices::default(),
+            pins: Pins::new(&scene),
+            look: Appearance::default(),
+            now_secs: 0.0,
+        }
+    }
+
+    /// Returns what is shown as a document.
+    pub fn document(&self) -> Document {
+        let curve = self.layers.curve;
+        Document {
+            pendulum: self.build,
+            question: self.question,
+            plane: self.plane.clone(),
+            view: self.target().view(),
+            picture: PictureTable { curve, ..self.picture.clone() },
+            run: self.integration.spec.table.clone(),
+            ..Document::default()
+        }
+    }
+
+    /// Returns the scene that is shown, but with the default view.
+    pub fn scene(&self) -> Scene {
+        let plane = self.plane.clone();
+        Scene { build: self.build, question: self.question, plane, ..Scene::default() }
+    }
+
+    /// Returns the current camera, or the one at the end of a move in progress.
+    pub fn target(&self) -> Camera {
+        self.moving.map_or(self.camera, |moving| moving.to)
+    }
+
+    /// Returns the canvas as it will look at the end of a move.
+    pub fn aimed_screen(&self) -> Screen {
+        self.through(self.target())
+    }
+
+    /// Returns the canvas as it looks now.
+    pub fn screen(&self) -> Screen {
+        self.through(self.camera)
+    }
+
+    fn through(&self, camera: Camera) -> Screen {
+        Screen { camera, size: self.canvas, pixels_per_point: self.pixels_per_point }
+    }
+
+    /// Returns the view target for the scheduler; during a move, that of its end.
+    pub fn view_target(&self, config: IntegratorConfig) -> ViewTarget {
+        let screen = self.through(self.target());
+        let pointer = self.pointer.map(|point| screen.offset_at(point).to_array());
+        let physics = Physics::of(&self.scene(), config, self.integration.spec.verify);
+        let budget_secs = self.question.budget.secs;
+        let refinements = if self.rests() { self.look.edges.refinements() } else { 0 };
+        let (region, level) = (screen.region(), screen.level());
+        ViewTarget { physics, budget_secs, region, level, pointer, refinements }
+    }
+
+    /// Advances to a moment of the window's clock. Returns true if anything is in motion.
+    pub fn tick(&mut self, now_secs: f64) -> bool {
+        let elapsed_secs = (now_secs - self.now_secs).max(0.0);
+        self.now_secs = now_secs;
+        self.notices.advance(now_secs);
+        if let Some(moving) = self.moving {
+            let (camera, over) = moving.at(now_secs);
+            self.camera = camera;
+            if over {
+                self.moving = None;
+            }
+        }
+        if self.moving.is_none() && !self.dragging {
+            self.history.visit(self.camera);
+        }
+        self.pins.advance(elapsed_secs);
+        let budget_secs = self.question.budget.secs;
+        // The question may have changed to one without times.
+        self.shown.timeline = self.shown.timeline.filter(|_| self.question.ask.is_time());
+        if let Some(clock) = &mut self.shown.timeline {
+            clock.advance(elapsed_secs, budget_secs, true);
+        }
+        let plays = self.shown.timeline.is_some_and(|clock| clock.is_playing());
+        self.shown.cycle.advance(&mut self.picture, elapsed_secs);
+        // Flying pendulums are drawn less often than what moves the map.
+        self.moving.is_some() || plays || self.shown.cycle.runs
+    }
+
+    /// Applies an action of the user and returns the effect that remains to be carried out.
+    pub fn apply(&mut self, action: Action) -> Option<Effect> {
+        match action {
+            Action::Look(look) => self.look(look),
+            Action::Hover(point) => self.pointer = point,
+            Action::Drawing(drawing) => self.drawing = drawing,
+            Action::Pin(point) => return Some(Effect::Pin(Box::new(self.pixel_at(point)))),
+            Action::GoDeeper => return Some(Effect::GoDeeper),
+            Action::Lab(figure) => return Some(Effect::Lab(figure)),
+            Action::InLab(action) => return Some(Effect::InLab(action)),
+            Action::OpenInLab(figure, start) => return Some(Effect::OpenInLab(figure, start)),
+            Action::FromLab(start) => return Some(Effect::FromLab(start)),
+            Action::Unpin => {
+                if let Some(id) = self.pins.clicked.take() {
+                    self.pins.apply(PinAction::Remove(id));
+                }
+            }
+            Action::Pins(action) => self.pins.apply(action),
+            Action::PlayPause => self.play_or_pause(),
+            Action::Scene(scene) => {
+                self.ask(&scene);
+                return Some(Effect::Relaunch);
+            }
+            Action::Picture(picture) => self.paint(picture),
+            Action::ColourCycle(cycle) => self.shown.cycle = cycle,
+            Action::Favourite(digit) => return Some(Effect::Favourite(digit)),
+            Action::KeepFavourite(digit) => return Some(Effect::KeepFavourite(digit)),
+            Action::Timeline(clock) => self.show_by(clock),
+            Action::Accuracy(accuracy) => {
+                self.set_accuracy(accuracy);
+                return Some(Effect::Reopen);
+            }
+            Action::Engine(kind) => {
+                self.integration.kind = kind;
+                return Some(Effect::Reopen);
+            }
+            Action::TryAgain => return Some(Effect::Reopen),
+            Action::Layers(layers) => self.layers = layers,
+            Action::Panel(name) => (self.shown.side, self.shown.panel) = (true, Some(name)),
+            Action::Toggle(dialog) => self.toggle(dialog),
+            Action::Escape => self.escape(),
+            Action::Show(document) => return self.show(&document),
+            Action::Open(path) => return Some(Effect::Open(path)),
+            Action::AskForFile => return Some(Effect::AskForFile),
+            Action::Paste(text) => return self.paste(&text),
+            Action::CopyLocation => {
+                self.notices.tell("The location was copied: paste it anywhere, or here.");
+                return Some(Effect::Copy(flipmap_scene::location::text(&self.document().scene())));
+            }
+            Action::Find(angle) => self.go(Camera { center: angle, ..self.target() }),
+            Action::Dismiss(id) => self.notices.dismiss(id),
+            Action::UiScale(scale) => self.look.ui_scale = Settings::within_ui_scales(scale),
+            Action::Theme(theme) => self.look.theme = theme,
+            Action::Animate(animate) => self.look.animate = animate,
+            Action::Edges(edges) => self.look.edges = edges,
+            Action::FullScreen => return Some(Effect::FullScreen),
+            Action::LoseDevice => return Some(Effect::LoseDevice),
+            Action::Quit => return Some(Effect::Quit),
+        }
+        None
+    }
+
+    /// Returns the starts of the sample drawn at a point, and of its neighbour to the right.
+    fn pixel_at(&self, point: DVec2) -> [[Theta; 2]; 2] {
+        let screen = self.screen();
+        super::hover::sample_at(screen.angle_at(point), screen.level())
+    }
+
+    /// Paints the map in other colours.
+    pub(super) fn paint(&mut self, picture: PictureTable) {
+        self.spreads &= picture.times == self.picture.times;
+        self.picture = picture;
+    }
+
+    /// Shows the map by a clock, or whole again. Answers other than times have no moments.
+    fn show_by(&mut self, clock: Option<Playback>) {
+        if clock.is_some() && !self.question.ask.is_time() {
+            self.notices.tell("Only flip times can be played; this question asks for no time.");
+            return;
+        }
+        self.shown.timeline = clock;
+    }
+
+    /// Last moment of the flips that are drawn, s.
+    pub fn shown_until_secs(&self) -> f64 {
+        let budget_secs = self.question.budget.secs;
+        self.shown.timeline.map_or(budget_secs, |clock| clock.time_secs().min(budget_secs))
+    }
+
+    fn play_or_pause(&mut self) {
+        if let Some(clock) = &mut self.shown.timeline {
+            let budget_secs = self.question.budget.secs;
+            if clock.is_playing() { clock.pause() } else { clock.play(budget_secs) }
+        } else if !self.pins.is_empty() {
+            let playing = self.pins.is_playing();
+            self.pins.apply(if playing { PinAction::Pause } else { PinAction::Play });
+        }
+    }
+
+    fn set_accuracy(&mut self, accuracy: Accuracy) {
+        self.integration.spec = RunSpec::of_level(accuracy);
+    }
+
+    fn toggle(&mut self, dialog: Dialog) {
+        let shown = match dialog {
+            Dialog::Side => &mut self.shown.side,
+            Dialog::Help => &mut self.shown.help,
+            Dialog::Commands => &mut self.shown.commands,
+            Dialog::Debug => &mut self.shown.debug,
+            Dialog::Card => &mut self.shown.card,
+            Dialog::Stage => &mut self.shown.stage,
+        };
+        *shown = !*shown;
+        if dialog == Dialog::Debug && self.shown.debug {
+            (self.shown.side, self.shown.panel) = (true, Some("Measured"));
+        }
+    }
+
+    fn escape(&mut self) {
+        self.drawing = None;
+        let OpenDialogs { help, commands, card, stage, lab, .. } = self.shown;
+        // What lies on top is closed first.
+        let above = help || commands || card;
+        (self.shown.help, self.shown.commands, self.shown.card) = (false, false, false);
+        (self.shown.stage, self.shown.lab) = (stage && above, lab && (above || stage));
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::action::Look;
+    use crate::settings::EdgeSamples;
+    use flipmap_engine::choice::IntegrationSetting;
+    use flipmap_engine::level::BALANCED;
+    use flipmap_engine::{Method, Precision};
+    use flipmap_numbers::Scalar;
+    use flipmap_scene::Budget;
+    use flipmap_scene::question::Ask;
+
+    /// Returns the state of a window with the home scene.
+    pub(crate) fn state() -> AppState {
+        AppState::new(&Document::default(), RunSpec::of_level(Accuracy::Balanced))
+    }
+
+    fn look(state: &mut AppState, look: Look) {
+        assert_eq!(state.apply(Action::Look(look)), None);
+    }
+
+    #[test]
+    fn the_point_under_the_pointer_sticks() {
+        let mut state = state();
+        let grabbed = DVec2::new(300.0, -120.0);
+        let angle = state.screen().angle_at(grabbed);
+        look(&mut state, Look::Drag(DVec2::new(-700.0, 55.0)));
+        let screen = state.screen();
+        let now = screen.point_of(screen.camera.offset_of(angle));
+        assert!((now - (grabbed + DVec2::new(-700.0, 55.0))).length() < 1e-6, "{now}");
+    }
+
+    #[test]
+    fn finer_samples_are_wanted_only_while_the_view_rests() {
+        let mut state = state();
+        let wanted = |state: &AppState| state.view_target(BALANCED).refinements;
+        assert_eq!(wanted(&state), 2);
+        state.dragging = true;
+        assert_eq!(wanted(&state), 0);
+        state.dragging = false;
+        look(&mut state, Look::Zoom { factor: 4.0, about: DVec2::ZERO });
+        assert_eq!(wanted(&state), 0, "on the way");
+        state.tick(1.0);
+        assert_eq!(wanted(&state), 2);
+        state.apply(Action::Edges(EdgeSamples::One));
+        assert_eq!(wanted(&state), 0);
+    }
+
+    #[test]
+    fn moves_are_interrupted_by_new_ones_and_end_in_the_history() {
+        let mut state = state();
+        let zoom = Look::Zoom { factor: 4.0, about: DVec2::ZERO };
+        look(&mut state, zoom);
+        assert!(state.tick(0.1));
+        let midway = state.camera.width_rad;
+        assert!((1.6..6.2).contains(&midway));
+        look(&mut state, zoom);
+        assert_eq!(state.camera.width_rad, midway, "no jump");
+        assert!(!state.tick(1.0));
+        assert!((state.camera.width_rad - std::f64::consts::TAU / 16.0).abs() < 1e-12);
+        assert!(state.history.has_back());
+        look(&mut state, Look::Back);
+        state.tick(2.0);
+        assert_eq!(state.camera, Camera::whole(Reach::TORUS));
+        look(&mut state, Look::Forward);
+        state.tick(3.0);
+        assert!((state.camera.width_rad - std::f64::consts::TAU / 16.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn without_animation_moves_are_jumps() {
+        let mut state = state();
+        state.apply(Action::Animate(false));
+        look(&mut state, Look::Step(DVec2::new(0.5, 0.0)));
+        assert!(!state.tick(0.0));
+        assert!((state.camera.center[0].to_f64() - std::f64::consts::PI).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_box_fills_the_canvas() {
+        let mut state = state();
+        state.apply(Action::Animate(false));
+        let corners = [DVec2::new(100.0, 100.0), DVec2::new(420.0, 300.0)];
+        let middle = state.screen().angle_at((corners[0] + corners[1]) / 2.0);
+        look(&mut state, Look::Box(corners));
+        assert!((state.camera.width_rad - std::f64::consts::TAU / 4.0).abs() < 1e-12);
+        assert!(state.camera.offset_of(middle).length() < 1e-12);
+        let before = state.camera;
+        look(&mut state, Look::Box([DVec2::ZERO, DVec2::ONE]));
+        assert_eq!(state.camera, before, "a click that trembled");
+    }
+
+    #[test]
+    fn a_bad_paste_is_told_and_the_view_stays() {
+        let mut state = state();
+        let before = state.camera;
+        assert_eq!(state.apply(Action::Paste("https://example.org".to_string())), None);
+        assert!(state.notices.iter().next().unwrap().text.contains("not a location"));
+        assert_eq!(state.target(), before);
+        let paste = Action::Paste("flipmap:center=-1.66,0.1;width=0.4;budget=60".to_string());
+        assert_eq!(state.apply(paste), Some(Effect::Relaunch));
+        assert_eq!((state.question.budget.secs, state.target().width_rad), (60.0, 0.4));
+    }
+
+    #[test]
+    fn a_picture_is_computed_as_it_was_made() {
+        let mut state = state();
+        let mut document = Document::default();
+        assert_eq!(state.apply(Action::Show(Box::new(document.clone()))), None);
+        document.run.method = Some("rk4".to_string());
+        let shown = state.apply(Action::Show(Box::new(document.clone())));
+        assert_eq!(shown, Some(Effect::Reopen));
+        let IntegrationSetting::Explicit(config) = state.integration.spec.setting else {
+            panic!("{:?}", state.integration.spec.setting)
+        };
+        assert_eq!(config.method, Method::LESSON);
+        assert_eq!(state.document().run.step.as_deref(), Some("1/120"));
+        document.run.tolerance = Some("much".to_string());
+        assert_eq!(state.apply(Action::Show(Box::new(document))), None);
+        assert!(state.notices.iter().next().unwrap().text.contains("`tolerance`"));
+    }
+
+    #[test]
+    fn the_location_leads_back() {
+        let mut state = state();
+        state.apply(Action::Animate(false));
+        look(&mut state, Look::Zoom { factor: 1e6, about: DVec2::new(211.0, 37.0) });
+        let Some(Effect::Copy(text)) = state.apply(Action::CopyLocation) else { panic!("no copy") };
+        let there = state.camera;
+        look(&mut state, Look::Home);
+        state.apply(Action::Paste(text));
+        assert!(state.camera.offset_of(there.center).length() < 1e-5 * there.width_rad);
+        assert_eq!(state.camera.width_rad, there.width_rad);
+    }
+
+    #[test]
+    fn another_plane_begins_at_home_and_another_question_in_its_own_colours() {
+        let mut state = state();
+        state.apply(Action::Animate(false));
+        let ask = |state: &mut AppState, change: fn(&mut Scene)| {
+            let mut scene = state.scene();
+            change(&mut scene);
+            assert_eq!(state.apply(Action::Scene(Box::new(scene))), Some(Effect::Relaunch));
+        };
+        look(&mut state, Look::Zoom { factor: 8.0, about: DVec2::new(90.0, 10.0) });
+        let before = state.camera;
+        ask(&mut state, |scene| scene.question.ask = Ask::State);
+        assert_eq!(state.camera, before);
+        state.picture.channel = Some("omega1".to_string());
+        ask(&mut state, |scene| scene.question.ask = Ask::Flip);
+        assert_eq!(state.picture.channel, None, "flips have no speeds");
+        ask(&mut state, |scene| scene.plane.kind = "speeds".parse().unwrap());
+        assert_eq!(state.camera, Camera::whole(state.camera.reach));
+        assert!(!state.camera.reach.repeats && !state.history.has_back());
+        // A faster pendulum has a larger lattice; the view shows the same ones.
+        look(&mut state, Look::Zoom { factor: 4.0, about: DVec2::ZERO });
+        let (width, reach) = (state.camera.width(), state.camera.reach);
+        ask(&mut state, |scene| scene.build.gravity = 981.0.into());
+        assert!(state.camera.reach != reach && (state.camera.width() / width - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn palettes_and_layers_are_not_part_of_the_aim() {
+        let mut state = state();
+        let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
+        let before = state.view_target(config);
+        let picture = PictureTable { palette: "magma".to_string(), ..state.picture.clone() };
+        state.apply(Action::Picture(picture));
+        state.apply(Action::Layers(Layers { grid: true, ..state.layers }));
+        assert_eq!(state.view_target(config), before);
+        let question = QuestionTable { budget: Budget::secs(60.0), ..state.question };
+        let scene = Scene { question, ..state.scene() };
+        assert_eq!(state.apply(Action::Scene(Box::new(scene))), Some(Effect::Relaunch));
+        assert_ne!(state.view_target(config), before);
+    }
+}

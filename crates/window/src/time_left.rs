@@ -1,0 +1,75 @@
+//! The time until a view is complete, estimated from its progress so far.
+
+use std::time::{Duration, Instant};
+
+use super::camera::Camera;
+use flipmap_render::tiles::explorer::ViewProgress;
+
+/// The progress of the newest view since it was first aimed at.
+#[derive(Debug, Default)]
+pub struct TimeLeft {
+    began: Option<Began>,
+    latest: Option<(Instant, f64)>,
+}
+
+/// A view, and how much of it was known when it was first aimed at.
+#[derive(Debug)]
+struct Began {
+    camera: Camera,
+    wanted: usize,
+    share: f64,
+    at: Instant,
+}
+
+/// Time that a view must have been computed before anything is said of its end.
+const LEAST: Duration = Duration::from_secs(1);
+
+impl TimeLeft {
+    /// Reads the progress of a view.
+    pub fn read(&mut self, camera: Camera, progress: &ViewProgress, now: Instant) {
+        let ViewProgress { wanted, share, .. } = *progress;
+        let goes_on = |began: &Began| {
+            began.camera == camera && began.wanted == wanted && began.share <= share
+        };
+        if !self.began.as_ref().is_some_and(goes_on) {
+            self.began = Some(Began { camera, wanted, share, at: now });
+        }
+        self.latest = Some((now, share));
+    }
+
+    /// Returns the seconds until the view is complete; none while they cannot be estimated.
+    pub fn secs(&self) -> Option<f64> {
+        let (began, (now, share)) = (self.began.as_ref()?, self.latest?);
+        let (gained, took) = (share - began.share, now.duration_since(began.at));
+        let tells = gained > 0.0 && share < 1.0 && took >= LEAST;
+        tells.then(|| took.as_secs_f64() * (1.0 - share) / gained)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reach::Reach;
+
+    #[test]
+    fn what_is_left_takes_as_long_as_what_was_done_and_another_view_begins_anew() {
+        let (begun, home) = (Instant::now(), Camera::whole(Reach::TORUS));
+        let mut left = TimeLeft::default();
+        // Shares are 64ths, which add up exactly.
+        let mut read = |camera: Camera, ms: u64, of_64: u32| {
+            let share = f64::from(of_64) / 64.0;
+            let progress = ViewProgress { wanted: 100, share, ..ViewProgress::default() };
+            left.read(camera, &progress, begun + Duration::from_millis(ms));
+            left.secs()
+        };
+        assert_eq!(read(home, 0, 16), None, "nothing is known yet");
+        assert_eq!(read(home, 500, 20), None, "too early to tell");
+        assert_eq!(read(home, 2000, 32), Some(4.0));
+        assert_eq!(read(home, 5000, 64), None, "complete");
+        let deeper = Camera { width_rad: 1.0, ..home };
+        assert_eq!(read(deeper, 5000, 32), None);
+        assert_eq!(read(deeper, 7000, 48), Some(2.0));
+        assert_eq!(read(deeper, 8000, 8), None, "a larger budget");
+        assert_eq!(read(deeper, 10_000, 36), Some(2.0));
+    }
+}
