@@ -5,7 +5,6 @@
 use flipmap::{Dd, Outcome, Pendulum, Rule, oracle};
 use flipmap_engine::Question;
 use flipmap_engine::cpu::{Dop853, EmbeddedPair, outcomes};
-use flipmap_numbers::Real;
 use flipmap_pendulum::embedded::Trial;
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::phase::Phase;
@@ -18,14 +17,14 @@ impl EmbeddedPair for BogackiShampine {
     const ORDER: u32 = 3;
 
     #[inline(always)]
-    fn trial<T: Real>(
+    fn trial<T: flipmap_numbers::Real>(
         pendulum: &Pendulum<T>,
         inverse_scale: [T; 2],
         phase: &Phase<T>,
         step: T,
     ) -> Trial<T> {
-        let slope =
-            |change: &Phase<T>| pendulum.derivative(&std::array::from_fn(|i| phase[i] + change[i]));
+        let shifted = |change: &Phase<T>| std::array::from_fn(|i| phase[i] + change[i]);
+        let slope = |change: &Phase<T>| pendulum.derivative(&shifted(change));
         let sum = |weights: [f64; 4], k: [&Phase<T>; 4]| -> Phase<T> {
             let part = |i: usize, j: usize| step.lit(weights[j]) * k[j][i];
             std::array::from_fn(|i| step * (part(i, 0) + part(i, 1) + part(i, 2) + part(i, 3)))

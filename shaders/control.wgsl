@@ -1,4 +1,4 @@
-// Step size control (counterpart: src/engine/cpu/step_control.rs).
+// Step size control (counterpart: crates/engine/src/cpu/step_control.rs).
 
 // Excess of an error over what is allowed at a time, in log2 of squares: negative is good.
 fn excess_of(error_squared: f32, time: f32) -> f32 {

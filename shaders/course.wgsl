@@ -1,4 +1,4 @@
-// Where a polynomial over a step passes zero (counterpart: src/physics/polynomial.rs). It is given by
+// Where a polynomial over a step passes zero (counterpart: crates/numbers/src/polynomial.rs). It is given by
 // its control points over [0, 1]: it begins at the first, ends at the last, and lies between the
 // least and the greatest.
 

@@ -42,7 +42,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     let sound = finite(w1_kept) && finite(w2_kept);
 {% if least_energy %}
 {{ maths.energy }}
-    // Too little energy is left ever to pass the top (see src/engine/slowed.rs).
+    // Too little energy is left ever to pass the top (see crates/engine/src/slowed.rs).
     let slowed = rough(energy) < {{ least_energy }};
     suspect = suspect && !slowed;
 {% endif %}

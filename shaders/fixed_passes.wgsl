@@ -1,5 +1,5 @@
 // Decides the fixed steps before which `advance` stopped, pass by pass (counterpart: `look_at` in
-// src/engine/cpu/fixed.rs): a bob that passes the top goes on from the other side of it.
+// crates/engine/src/cpu/fixed.rs): a bob that passes the top goes on from the other side of it.
 
 @compute @workgroup_size(WORKGROUP)
 fn look(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -1,4 +1,4 @@
-// Decides the steps before which `advance` stopped (counterpart: src/engine/cpu/pair.rs): the first
+// Decides the steps before which `advance` stopped (counterpart: crates/engine/src/cpu/pair.rs): the first
 // trial is the whole step, and those after it end where a bob may be at the top. Every value that
 // decides anything comes from a step of the method itself.
 const WHOLE = 0u;

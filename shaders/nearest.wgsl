@@ -1,4 +1,4 @@
-// A tile's pendulums on their way back to their starts (counterpart: src/engine/cpu/nearest.rs); all
+// A tile's pendulums on their way back to their starts (counterpart: crates/engine/src/cpu/nearest.rs); all
 // last as long as the budget, to which the last step is cut. `advance` stops before a step in which
 // the distance from the start has a minimum, and `look` finds it.
 

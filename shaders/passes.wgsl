@@ -1,5 +1,5 @@
     // Counts a pass; a pendulum that is not done goes on from there, barely beyond the top
-    // (counterpart: `look` in src/engine/cpu/adaptive.rs).
+    // (counterpart: `look` in crates/engine/src/cpu/adaptive.rs).
     var flipped = false;
     if goal == TOP && rough(time_after) > job.budget {
         flipped = true;

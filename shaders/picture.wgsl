@@ -2,7 +2,7 @@
 //
 // A tile lies in a slot of an atlas, in its upper left as long as only some samples are known, one packed
 // word per sample: the value of the time or the colour of another answer, how sure it is, and the status
-// (counterpart: src/app/canvas/sample.rs). Quads say which part of which slot goes where, and how much it
+// (counterpart: crates/window/src/canvas/sample.rs). Quads say which part of which slot goes where, and how much it
 // covers of what is beneath. Between samples the light of the four nearest is mixed, and where many
 // samples lie in a pixel that of all of them, never their times: the mean of two flip times is the time of
 // no pendulum.
@@ -130,7 +130,7 @@ fn encoded(light: vec3<f32>) -> vec3<f32> {
 }
 
 // The factor of the light at a place among four samples, from the lower left anticlockwise, whose
-// texels run to the right and up the screen like this (counterpart: src/scene/palette/relief.rs).
+// texels run to the right and up the screen like this (counterpart: crates/scene/src/palette/relief.rs).
 fn relief_of(words: vec4<u32>, part: vec2<f32>, texel_x: vec2<f32>, texel_y: vec2<f32>) -> f32 {
     if any((words & vec4<u32>(3u)) != vec4<u32>(FLIPPED)) {
         return 1.0;

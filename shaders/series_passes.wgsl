@@ -1,5 +1,5 @@
     // Counts the passes of the step in their order, until the last one that is wanted (counterpart:
-    // `flips_in_step` in src/engine/cpu/taylor.rs).
+    // `flips_in_step` in crates/engine/src/cpu/taylor.rs).
     var speeds = array<array<Real, TERMS>, 2>();
 {% for bob in watched %}
     speeds[{{ loop.index0 }}] = array<Real, TERMS>({% for k in range(terms) %}w{{ bob }}_{{ k }}, {% endfor %});

@@ -9,7 +9,7 @@
     let sound = steps < job.most_steps;
 {% if least_energy %}
 {{ maths.energy }}
-    // Too little energy is left ever to pass the top (see src/engine/slowed.rs).
+    // Too little energy is left ever to pass the top (see crates/engine/src/slowed.rs).
     let slowed = rough(energy) < {{ least_energy }};
     suspect = suspect && !slowed;
 {% endif %}

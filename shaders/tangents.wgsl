@@ -1,4 +1,4 @@
-// A tile's pendulums with the tangents of their motion (counterpart: src/engine/cpu/tangents.rs): all
+// A tile's pendulums with the tangents of their motion (counterpart: crates/engine/src/cpu/tangents.rs): all
 // last as long as the budget, to which the last step is cut.
 
 // Largest slope before all are made smaller by a power of two, so that none overflows.

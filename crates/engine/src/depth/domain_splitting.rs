@@ -103,17 +103,14 @@ pub(super) struct Distribution {
 
 impl DomainSplitting {
     pub(super) fn new(question: &Question, deep: &Deep, nudges: bool) -> Self {
+        let ends = if nudges { Ends::Growth } else { Ends::Plain };
         DomainSplitting {
             dynamics: Dynamics::new(question.reduced().0, question.rule),
             build: question.build,
             rule: question.rule,
             plane: *deep.plane,
             strict: deep.strict,
-            opening: Question { budget_secs: f64::INFINITY, ..*question }.opening(if nudges {
-                Ends::Growth
-            } else {
-                Ends::Plain
-            }),
+            opening: Question { budget_secs: f64::INFINITY, ..*question }.opening(ends),
             nudges,
             anchors: Mutex::default(),
             #[cfg(feature = "sabotage")]
