@@ -8,7 +8,7 @@ use clap::Args;
 use flipmap_window::film_run::FilmOrder;
 use flipmap_window::folders::Folders;
 use flipmap_window::model;
-use flipmap_window::window::{self, WindowError};
+pub(super) use flipmap_window::window::{self, WindowError};
 
 use super::exit::Exit;
 use super::options::SceneOptions;

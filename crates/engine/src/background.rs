@@ -107,14 +107,15 @@ impl PendingEngine {
     }
 
     /// Waits for the engine; returns none if its thread died.
-    pub fn wait(self) -> Option<Result<Background, ChoiceError>> {
+    #[cfg(test)]
+    fn wait(self) -> Option<Result<Background, ChoiceError>> {
         self.receiver.recv().ok()
     }
 }
 
 /// Moves an open engine to a thread of its own; `offered` returns true for the configurations that
 /// it has.
-pub fn on_its_own_thread(
+pub(crate) fn on_its_own_thread(
     mut engine: impl Engine + Send + 'static,
     config: IntegratorConfig,
     why: &str,

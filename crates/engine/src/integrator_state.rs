@@ -45,7 +45,7 @@ pub enum Carried {
 }
 
 /// Names of the slopes of unit vectors and momenta by the four numbers of the start.
-pub const SLOPES: [[&str; 4]; 6] = [
+pub(crate) const SLOPES: [[&str; 4]; 6] = [
     ["x1_a", "x1_b", "x1_c", "x1_d"],
     ["y1_a", "y1_b", "y1_c", "y1_d"],
     ["x2_a", "x2_b", "x2_c", "x2_d"],
@@ -54,19 +54,19 @@ pub const SLOPES: [[&str; 4]; 6] = [
     ["p2_a", "p2_b", "p2_c", "p2_d"],
 ];
 /// Name of the logarithm of the factor by which slopes were scaled down.
-pub const LOG_SCALE: &str = "log_scale";
+pub(crate) const LOG_SCALE: &str = "log_scale";
 /// Names of the unit vectors and momenta of the start.
-pub const STARTS: [&str; 6] =
+pub(crate) const STARTS: [&str; 6] =
     ["x1_start", "y1_start", "x2_start", "y2_start", "p1_start", "p2_start"];
 /// Names of the state of the search for the nearest return: 1 once the start has been left, the least
 /// distance, and its time.
-pub const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
+pub(crate) const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
 
 /// Most numbers that a pendulum can carry along.
-pub const MOST_CARRIED: usize = 25;
+pub(crate) const MOST_CARRIED: usize = 25;
 
 /// Names of the numbers that pendulums carry along for such ends, as devices keep them.
-pub fn carried_names(ends: Ends) -> Vec<&'static str> {
+pub(crate) fn carried_names(ends: Ends) -> Vec<&'static str> {
     match ends {
         Ends::None | Ends::Plain => Vec::new(),
         Ends::Growth => [SLOPES.as_flattened(), &[LOG_SCALE]].concat(),
@@ -111,7 +111,7 @@ impl Carried {
 
 impl IntegratorState {
     /// A state from all its numbers: its own, and those that it carries along for such ends.
-    pub fn from_numbers(steps: u32, all: &[f64], ends: Ends) -> Self {
+    pub(crate) fn from_numbers(steps: u32, all: &[f64], ends: Ends) -> Self {
         let (own, carried) = all.split_at(NUMBERS);
         let mut numbers = [0.0; NUMBERS];
         numbers.copy_from_slice(own);
@@ -120,7 +120,7 @@ impl IntegratorState {
     }
 
     /// A number by its place: the state's own come first, then those that it carries along.
-    pub fn number(&self, place: usize) -> f64 {
+    pub(crate) fn number(&self, place: usize) -> f64 {
         let carried = || self.carried.as_deref().map(|carried| carried.number(place - NUMBERS));
         self.numbers.get(place).copied().or_else(carried).unwrap_or(0.0)
     }
@@ -131,7 +131,7 @@ impl IntegratorState {
     }
 
     /// The slopes that it carries along; zeros where it has no tangents.
-    pub fn slopes(&self) -> [[f64; 4]; 6] {
+    pub(crate) fn slopes(&self) -> [[f64; 4]; 6] {
         match self.carried.as_deref() {
             Some(Carried::Tangents { slopes, .. }) => *slopes,
             _ => [[0.0; 4]; 6],
@@ -139,7 +139,7 @@ impl IntegratorState {
     }
 
     /// Natural logarithm of the factor by which the slopes were scaled down.
-    pub fn log_scale(&self) -> f64 {
+    pub(crate) fn log_scale(&self) -> f64 {
         match self.carried.as_deref() {
             Some(Carried::Tangents { log_scale, .. }) => *log_scale,
             _ => 0.0,
@@ -147,7 +147,7 @@ impl IntegratorState {
     }
 
     /// The turns and passes counted so far.
-    pub fn counts(&self) -> Accumulators {
+    pub(crate) fn counts(&self) -> Accumulators {
         match self.carried.as_deref() {
             Some(Carried::Counts(gathered)) => *gathered,
             _ => Accumulators::NONE,

@@ -64,7 +64,7 @@ impl Accuracy {
 
     /// Least share of the simulated pixels of the whole map that the level promises to be right
     /// within 1 ms (docs/accuracy.md).
-    pub fn promised_share(self) -> f64 {
+    pub(crate) fn promised_share(self) -> f64 {
         match self {
             Accuracy::Lesson => 0.89,
             Accuracy::Fast => 0.925,
@@ -113,7 +113,7 @@ impl Method {
     }
 
     /// The precision that suits a method best.
-    pub fn home_precision(name: &str) -> Precision {
+    pub(crate) fn home_precision(name: &str) -> Precision {
         match name {
             "rk4" | "dopri5" => Precision::F32,
             _ => Precision::F64,
@@ -121,7 +121,7 @@ impl Method {
     }
 
     /// The method that suits a precision best.
-    pub fn home_method(precision: Precision) -> &'static str {
+    pub(crate) fn home_method(precision: Precision) -> &'static str {
         match precision {
             Precision::F32 => "dopri5",
             Precision::Df32 | Precision::F64 => "dop853",
@@ -130,7 +130,7 @@ impl Method {
     }
 
     /// The method with another tolerance; none for fixed steps.
-    pub fn with_tolerance(self, tolerance: f64) -> Option<Method> {
+    pub(crate) fn with_tolerance(self, tolerance: f64) -> Option<Method> {
         match self {
             Method::Rk4 { .. } => None,
             Method::Dopri5 { .. } => Some(Method::Dopri5 { tolerance }),

@@ -22,11 +22,11 @@ pub mod cpu;
 pub mod depth;
 mod end;
 pub mod gpu;
-pub mod integrator_state;
+pub(crate) mod integrator_state;
 mod keep;
-pub mod kind;
+pub(crate) mod kind;
 pub mod level;
-pub mod method;
+pub(crate) mod method;
 pub mod mock;
 mod number_parts;
 mod one_job;
@@ -39,28 +39,32 @@ pub mod shared;
 mod slowed;
 pub mod start;
 mod starts;
-pub mod symbol;
+pub(crate) mod symbol;
 pub mod threads;
 pub mod trust;
 
 use std::time::Instant;
 
-pub use cells::{Cells, Indistinguishable};
+pub use cells::Cells;
+
 pub use depth::DepthStats;
 pub use end::End;
 use flipmap_numbers::{Dd, Scalar, Theta};
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
 use flipmap_scene::{Build, Scene};
-pub use gpu::{GpuStats, GpuTuning};
-pub use integrator_state::{Carried, IntegratorState, NUMBERS};
+pub(crate) use gpu::GpuStats;
+pub use gpu::GpuTuning;
+pub(crate) use integrator_state::Carried;
+pub use integrator_state::{IntegratorState, NUMBERS};
 pub use keep::{Ends, Keep};
 pub use kind::EngineKind;
 pub use level::Accuracy;
 pub use method::{Method, Precision};
 pub use one_job::run_job;
 use pace::{Adaptive, Pace};
-pub use starts::{Deep, Leaf, Moving, MovingStarts, Onset, StartList, Starts, Upright};
+pub use starts::{Deep, Leaf, Onset, StartList, Starts, Upright};
+pub(crate) use starts::{Moving, MovingStarts};
 pub use trust::Trust;
 
 /// The question that a job asks about each of its starts.
@@ -102,7 +106,7 @@ impl Question {
     }
 
     /// The first moments of launches, for passes that answers with such ends tell or count.
-    pub fn opening(&self, ends: Ends) -> Opening {
+    pub(crate) fn opening(&self, ends: Ends) -> Opening {
         let (pendulum, unit_secs) = self.reduced_in::<Theta>();
         let bobs = match self.rule {
             Rule::Neither if ends == Ends::Plain => Rule::Either.watched(),
@@ -112,12 +116,12 @@ impl Question {
     }
 
     /// Returns true if turns or passes are counted along the motion.
-    pub fn counts(&self) -> bool {
+    pub(crate) fn counts(&self) -> bool {
         self.passes != 1 || self.rule == Rule::Neither
     }
 
     /// The outcome of a pendulum that flips after `secs`: unflipped if that is beyond the budget.
-    pub fn flipped_at(&self, secs: f64) -> Outcome {
+    pub(crate) fn flipped_at(&self, secs: f64) -> Outcome {
         if secs <= self.budget_secs {
             Outcome::flipped(secs)
         } else {
@@ -152,7 +156,7 @@ pub struct Job {
 
 impl Job {
     /// Returns the fixed steps or the step size control of the job.
-    pub fn pace(&self) -> Result<Pace, EngineError> {
+    pub(crate) fn pace(&self) -> Result<Pace, EngineError> {
         let pace = Pace::new(&self.question, &self.config)?;
         let pace = match (starts::fastest(&self.question, &pace, &self.starts), pace) {
             (None, pace) => pace,

@@ -45,7 +45,7 @@ impl Method {
     pub const LESSON: Method = Method::Rk4 { step_secs: 1.0 / 120.0 };
 
     /// Names of the methods that users can ask for.
-    pub const NAMES: [&str; 4] = ["rk4", "dopri5", "dop853", "taylor"];
+    pub(crate) const NAMES: [&str; 4] = ["rk4", "dopri5", "dop853", "taylor"];
 
     /// Name of the method.
     pub fn name(self) -> &'static str {
@@ -59,7 +59,7 @@ impl Method {
     }
 
     /// Returns true if steps are taken by Taylor expansions.
-    pub fn is_series(self) -> bool {
+    pub(crate) fn is_series(self) -> bool {
         matches!(self, Method::Taylor { .. })
     }
 
@@ -82,7 +82,7 @@ impl Method {
     }
 
     /// Right-hand sides per step; for an expansion, its order.
-    pub fn rhs_per_step(self, precision: Precision) -> u64 {
+    pub(crate) fn rhs_per_step(self, precision: Precision) -> u64 {
         match self {
             Method::Rk4 { .. } => 4,
             Method::Dopri5 { .. } => 7,
@@ -94,7 +94,7 @@ impl Method {
     }
 
     /// Least tolerance that this method can keep in `precision`, if the two go together.
-    pub fn least_tolerance(self, precision: Precision) -> Option<f64> {
+    pub(crate) fn least_tolerance(self, precision: Precision) -> Option<f64> {
         match (self, precision) {
             (Method::Rk4 { .. } | Method::Dopri5 { .. } | Method::Dop853 { .. }, Precision::Dd)
             | (Method::Taylor { .. }, Precision::F32 | Precision::Df32) => None,
@@ -126,7 +126,7 @@ impl IntegratorConfig {
     /// Distance between starts, in rad, below which they are followed as cells and integrated from
     /// where the cells end. Adaptive methods benefit from cells early; fixed steps run from the
     /// release as long as their number type can tell the starts apart.
-    pub fn deep_below(&self) -> f64 {
+    pub(crate) fn deep_below(&self) -> f64 {
         match (self.method, self.precision) {
             (_, Precision::Dd) => 1e-22,
             (Method::Rk4 { .. }, Precision::F32) => 1e-6,
@@ -143,7 +143,7 @@ const DEEP_BELOW: f64 = 1e-4;
 
 /// Number of midpoint rules that an extrapolation combines: enough for long steps at the tolerances
 /// used in double-double.
-pub const COLUMNS: usize = 9;
+pub(crate) const COLUMNS: usize = 9;
 
 /// The number type in which a pixel is integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -160,7 +160,7 @@ pub enum Precision {
 
 impl Precision {
     /// Every precision with its name.
-    pub const ALL: [(&'static str, Precision); 4] = [
+    pub(crate) const ALL: [(&'static str, Precision); 4] = [
         ("f32", Precision::F32),
         ("df32", Precision::Df32),
         ("f64", Precision::F64),
@@ -168,7 +168,7 @@ impl Precision {
     ];
 
     /// Unit roundoff: half the distance from 1 to the next number.
-    pub fn epsilon(self) -> f64 {
+    pub(crate) fn epsilon(self) -> f64 {
         match self {
             Precision::F32 => f64::from(f32::EPSILON) / 2.0,
             Precision::Df32 => f64::from(f32::EPSILON).powi(2) / 2.0,

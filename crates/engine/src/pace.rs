@@ -48,7 +48,7 @@ impl Pace {
     }
 
     /// Approximate number of steps of a pendulum that does not flip.
-    pub fn typical_steps(&self) -> f64 {
+    pub(crate) fn typical_steps(&self) -> f64 {
         match self {
             Pace::Fixed(steps) => f64::from(steps.count),
             // Measured on the home map at the tolerances of `balanced`.
@@ -58,7 +58,7 @@ impl Pace {
 
     /// Number of steps after which a pendulum is stopped; for fixed steps, of those that begin
     /// within the budget.
-    pub fn most_steps(&self) -> u32 {
+    pub(crate) fn most_steps(&self) -> u32 {
         match self {
             Pace::Fixed(steps) => steps.count,
             Pace::Adaptive(adaptive) => adaptive.most_steps,
@@ -67,7 +67,7 @@ impl Pace {
 
     /// The same for pendulums that are followed to the very end of the budget: of fixed steps, the
     /// last one is short, and may be cut in two by rounding.
-    pub fn most_steps_to_end(&self) -> u32 {
+    pub(crate) fn most_steps_to_end(&self) -> u32 {
         match self {
             Pace::Fixed(steps) => steps.count + 2,
             Pace::Adaptive(adaptive) => adaptive.most_steps,
@@ -90,7 +90,7 @@ pub struct Adaptive {
 
 impl Adaptive {
     /// The steps over a question's budget under a step size control.
-    pub fn new(question: &Question, control: Control) -> Self {
+    pub(crate) fn new(question: &Question, control: Control) -> Self {
         let (reduced, unit_secs) = question.reduced();
         let budget = question.budget_secs / unit_secs;
         // The fastest rotation that the energy allows takes about a hundred steps per turn.
@@ -118,7 +118,7 @@ impl Adaptive {
     }
 
     /// The outcome of a pendulum that crosses the top at a reduced `time`.
-    pub fn outcome_of_pass(&self, time: f64) -> Outcome {
+    pub(crate) fn outcome_of_pass(&self, time: f64) -> Outcome {
         outcome_at(time * self.unit_secs, self.budget_secs)
     }
 }
@@ -148,7 +148,7 @@ pub struct Steps {
 
 impl Steps {
     /// The steps of `step_secs` that cover a question's budget.
-    pub fn new(
+    pub(crate) fn new(
         question: &Question,
         step_secs: f64,
         precision: Precision,
@@ -175,7 +175,7 @@ impl Steps {
     }
 
     /// Reduced time at which the budget ends.
-    pub fn budget(&self) -> f64 {
+    pub(crate) fn budget(&self) -> f64 {
         self.budget_secs / self.length_secs * self.length
     }
 
@@ -187,13 +187,13 @@ impl Steps {
 
     /// The outcome of a pendulum that crosses the top `fraction` into the step that follows `steps`
     /// whole ones: a flip if that is within the budget, its end included.
-    pub fn outcome_of_pass(&self, steps: u32, fraction: f64) -> Outcome {
+    pub(crate) fn outcome_of_pass(&self, steps: u32, fraction: f64) -> Outcome {
         outcome_at((f64::from(steps) + fraction) * self.length_secs, self.budget_secs)
     }
 
     /// The way in which the stages of a step find their directions, chosen by the greatest turn
     /// that the scene's energy allows in one step.
-    pub fn turning(&self, question: &Question, precision: Precision) -> Turning {
+    pub(crate) fn turning(&self, question: &Question, precision: Precision) -> Turning {
         if self.thrown {
             return Turning::Fresh;
         }

@@ -52,7 +52,7 @@ pub struct Verdict {
 
 impl Verdict {
     /// Returns the reason as an error if a method is not offered in its precision.
-    pub fn allows(&self, config: &IntegratorConfig) -> Result<(), String> {
+    pub(crate) fn allows(&self, config: &IntegratorConfig) -> Result<(), String> {
         self.require(config.precision)?;
         let failed =
             |check: &&Check| config.method.is_series() && check.name == BY_SERIES && !check.passed;
@@ -66,7 +66,7 @@ impl Verdict {
     }
 
     /// Returns the reason as an error if a precision is not offered.
-    pub fn require(&self, precision: Precision) -> Result<(), String> {
+    pub(crate) fn require(&self, precision: Precision) -> Result<(), String> {
         let offered = match precision {
             Precision::F32 => self.f32,
             Precision::Df32 => self.df32,
@@ -229,7 +229,7 @@ fn orbit_config(config: &IntegratorConfig) -> Option<(IntegratorConfig, f64)> {
 }
 
 /// Compares orbits with the truth. A pendulum whose answer is missing or is not a number fails.
-pub fn judge_orbits(
+pub(crate) fn judge_orbits(
     config: &IntegratorConfig,
     allowed_secs: f64,
     answers: &[Outcome],
@@ -275,7 +275,7 @@ pub fn verdict(checks: Vec<Check>) -> Verdict {
 }
 
 /// Pairs of operands: magnitudes from 1e-6 to 30, both signs, and ties of rounding.
-pub fn operands() -> Vec<[f64; 2]> {
+pub(crate) fn operands() -> Vec<[f64; 2]> {
     // A fixed linear congruential sequence (Knuth's MMIX constants): the same on every machine.
     let mut seed = 20_261_120_u64;
     let mut random = move || {
@@ -292,7 +292,7 @@ pub fn operands() -> Vec<[f64; 2]> {
 
 /// One answer: the operands as the number type held them, and the device's results.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CheckResult {
+pub(crate) struct CheckResult {
     /// The pair of operands.
     pub operands: [f64; 2],
     /// Sum, error of the sum (in number types other than f32, the difference), product, quotient,
@@ -302,7 +302,7 @@ pub struct CheckResult {
 }
 
 /// Compares the answers of a number type with the right ones.
-pub fn judge(precision: Precision, answers: &[CheckResult]) -> Vec<Check> {
+pub(crate) fn judge(precision: Precision, answers: &[CheckResult]) -> Vec<Check> {
     let worst = |error: &dyn Fn(&CheckResult) -> f64| worst_of(answers.iter().map(error));
     let ulp = 2.0 * precision.epsilon();
     let check = |name, allowed: f64, error: f64| Check {

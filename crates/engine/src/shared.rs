@@ -17,10 +17,10 @@ pub fn status_constants() -> String {
 
 /// The status in the device's memory of a pendulum that has not ended. No [`Status`] has this code,
 /// so a pendulum that a device lost on the way is not taken for one that did not flip.
-pub const RUNNING: u32 = 255;
+pub(crate) const RUNNING: u32 = 255;
 
 /// The status in the low byte of an outcome's word; none for a pendulum that has not ended.
-pub fn status_of(word: u32) -> Option<Status> {
+pub(crate) fn status_of(word: u32) -> Option<Status> {
     [Status::Unflipped, Status::Flipped, Status::Failed]
         .into_iter()
         .find(|status| *status as u32 == word & 255)
@@ -120,7 +120,7 @@ pub struct PackedWork {
 
 impl PackedWork {
     /// Number of steps and number of looks.
-    pub fn steps_and_looks(&self) -> [u64; 2] {
+    pub(crate) fn steps_and_looks(&self) -> [u64; 2] {
         let [steps_low, steps_high, looks_low, looks_high] = self.sums.map(u64::from);
         [steps_low | steps_high << 32, looks_low | looks_high << 32]
     }
@@ -138,12 +138,12 @@ pub struct Queue {
 }
 
 /// `value` as the sum of two f32.
-pub fn to_parts(value: f64) -> [f32; 2] {
+pub(crate) fn to_parts(value: f64) -> [f32; 2] {
     let high = value as f32;
     [high, (value - f64::from(high)) as f32]
 }
 
 /// The sum of two f32.
-pub fn from_parts(parts: [f32; 2]) -> f64 {
+pub(crate) fn from_parts(parts: [f32; 2]) -> f64 {
     f64::from(parts[0]) + f64::from(parts[1])
 }

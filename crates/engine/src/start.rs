@@ -25,10 +25,10 @@ use flipmap_pendulum::tangents::{TangentMap, Tangents, log_growth, released};
 use flipmap_pendulum::{Accumulators, Launch, Pendulum, State, control};
 
 /// Names of the numbers of a fixed-step state.
-pub const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
+pub(crate) const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
 
 /// Names of the numbers of an adaptive state.
-pub const PHASE: [&str; NUMBERS] = [
+pub(crate) const PHASE: [&str; NUMBERS] = [
     "x1", "y1", "x2", "y2", "p1", "p2", "x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low",
     "time", "time_low", "h",
 ];
@@ -39,13 +39,13 @@ type Expansion = MotionSeries<f64, { ORDER_F64 + 1 }>;
 /// Index of the time in an adaptive state.
 pub const TIME: usize = 12;
 /// Index of the time's remainder in an adaptive state.
-pub const TIME_LOW: usize = 13;
+pub(crate) const TIME_LOW: usize = 13;
 /// Index of the next step's length in an adaptive state.
-pub const STEP: usize = 14;
+pub(crate) const STEP: usize = 14;
 
 /// Indices of a device's numbers and of their remainders (see [`IntegratorState::number`]), where jobs
 /// return such ends.
-pub fn places(state: &[&str], precision: Precision, ends: Ends) -> Vec<[Option<usize>; 2]> {
+pub(crate) fn places(state: &[&str], precision: Precision, ends: Ends) -> Vec<[Option<usize>; 2]> {
     let phase = [&PHASE[..], &carried_names(ends)].concat();
     let all: &[&str] = if state.contains(&"h") { &phase } else { &ANGLES };
     let place = |name: &str| all.iter().position(|&other| other == name);
@@ -141,7 +141,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
 }
 
 /// The states in which a job's pendulums begin, with everything that they carry along.
-pub fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
+pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let (reduced, _) = job.question.reduced();
     if let (Starts::Moving(moving), Ends::Growth) = (&job.starts, job.keep.ends) {
         let pace = job.pace()?;
@@ -290,18 +290,22 @@ fn on_its_way(
 }
 
 /// The unit vectors and momenta of an adaptive state, as the nearest f64.
-pub fn phase_of(numbers: &[f64; NUMBERS]) -> Phase<f64> {
+pub(crate) fn phase_of(numbers: &[f64; NUMBERS]) -> Phase<f64> {
     std::array::from_fn(|i| numbers[i] + numbers[6 + i])
 }
 
 /// The angles of a fixed-step state in rad, as the nearest f64.
-pub fn angles_of(numbers: &[f64]) -> [f64; 2] {
+pub(crate) fn angles_of(numbers: &[f64]) -> [f64; 2] {
     [numbers[0] + numbers[4], numbers[1] + numbers[5]]
 }
 
 /// The unit vectors and momenta of a state at this pace. A state with tangents, or with a start to
 /// return to, is kept in this form at every pace.
-pub fn phase_at(reduced: &Pendulum<f64>, pace: &Pace, state: &IntegratorState) -> Phase<f64> {
+pub(crate) fn phase_at(
+    reduced: &Pendulum<f64>,
+    pace: &Pace,
+    state: &IntegratorState,
+) -> Phase<f64> {
     let IntegratorState { numbers, carried, .. } = state;
     match (pace, carried.as_deref()) {
         (Pace::Adaptive(_), _) => phase_of(numbers),
@@ -316,7 +320,7 @@ pub fn phase_at(reduced: &Pendulum<f64>, pace: &Pace, state: &IntegratorState) -
 /// The end of a pendulum that stopped in the state `left`: there, or at a flip in the step that
 /// follows. `flipped` is the fraction of that step for fixed steps, the reduced time for adaptive
 /// ones.
-pub fn end(
+pub(crate) fn end(
     reduced: &Pendulum<f64>,
     (config, pace): (&IntegratorConfig, &Pace),
     left: &IntegratorState,
@@ -351,7 +355,7 @@ pub fn end(
 }
 
 /// The end of a pendulum with tangents, with the growth of the largest of all nudges.
-pub fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -> End {
+pub(crate) fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -> End {
     let (phase, slopes) = (phase_of(&left.numbers), left.slopes());
     let state: Tangents<f64> = std::array::from_fn(|i| Dual { value: phase[i], slope: slopes[i] });
     let log_growth = log_growth(reduced, &state) + left.log_scale();
@@ -360,7 +364,7 @@ pub fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -> End {
 }
 
 /// The end of a pendulum that has looked for its nearest return.
-pub fn end_with_return(left: &IntegratorState) -> End {
+pub(crate) fn end_with_return(left: &IntegratorState) -> End {
     let nearest = match left.carried.as_deref() {
         Some(Carried::Return { nearest, .. }) => *nearest,
         _ => Accumulators::NONE.nearest,

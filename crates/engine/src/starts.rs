@@ -74,7 +74,7 @@ pub struct Upright {
 
 impl Upright {
     /// The angles of each start in rad.
-    pub fn listed(&self) -> Vec<[Dd; 2]> {
+    pub(crate) fn listed(&self) -> Vec<[Dd; 2]> {
         let [columns, rows] = &self.angles;
         let angle = |&place: &u32| {
             let place = place as usize;
@@ -139,7 +139,7 @@ pub struct Moving {
 
 impl Onset {
     /// Both angles of the launch, rad.
-    pub fn angle(&self) -> [Dd; 2] {
+    pub(crate) fn angle(&self) -> [Dd; 2] {
         match self {
             Onset::Launch(launch) => launch.angle,
             Onset::BesideTop(moments) => moments.angle,
@@ -156,7 +156,7 @@ impl Onset {
 
     /// The same with both angles moved, rad.
     #[must_use]
-    pub fn moved_by(&self, by: [f64; 2]) -> Self {
+    pub(crate) fn moved_by(&self, by: [f64; 2]) -> Self {
         match self {
             Onset::Launch(launch) => Onset::Launch(launch.moved_by(by.map(Dd::new))),
             Onset::BesideTop(moments) => Onset::BesideTop(Box::new(moments.moved_by(by))),

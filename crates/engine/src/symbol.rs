@@ -61,7 +61,7 @@ enum SymbolNode {
 
 /// Properties that the surrounding shader text expects of the maths.
 #[derive(Clone, Copy, Debug)]
-pub struct Dialect {
+pub(crate) struct Dialect {
     /// The number type.
     pub precision: Precision,
     /// Spaces before each line.
@@ -81,11 +81,14 @@ thread_local! {
 
 /// A number that is not known yet, as the index of its node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Symbol(u32);
+pub(crate) struct Symbol(u32);
 
 /// Runs `maths` on symbols and returns shader text that computes its named results: one `let` per
 /// line, then one for each result. `maths` makes its inputs with [`variable`] and [`literal`].
-pub fn write_maths(dialect: Dialect, maths: impl FnOnce() -> Vec<(String, Symbol)>) -> String {
+pub(crate) fn write_maths(
+    dialect: Dialect,
+    maths: impl FnOnce() -> Vec<(String, Symbol)>,
+) -> String {
     TAPE.with_borrow_mut(|tape| {
         assert!(tape.is_none(), "symbols of two kernels must not mix");
         *tape = Some(Tape { dialect, nodes: Vec::new(), known: HashMap::new() });
@@ -96,17 +99,17 @@ pub fn write_maths(dialect: Dialect, maths: impl FnOnce() -> Vec<(String, Symbol
 }
 
 /// The shader variable `name`.
-pub fn variable(name: &'static str) -> Symbol {
+pub(crate) fn variable(name: &'static str) -> Symbol {
     push(SymbolNode::Variable(name))
 }
 
 /// A known number.
-pub fn literal(value: f64) -> Symbol {
+pub(crate) fn literal(value: f64) -> Symbol {
     push(SymbolNode::Literal(value.to_bits()))
 }
 
 /// The value of the shader function `name`.
-pub fn call(name: &'static str, operands: &[Symbol]) -> Symbol {
+pub(crate) fn call(name: &'static str, operands: &[Symbol]) -> Symbol {
     push(SymbolNode::Call(name, operands.iter().map(|operand| operand.0).collect()))
 }
 
@@ -128,7 +131,7 @@ fn push(node: SymbolNode) -> Symbol {
 
 impl Symbol {
     /// The absolute value.
-    pub fn abs(self) -> Symbol {
+    pub(crate) fn abs(self) -> Symbol {
         self.value().map_or_else(|| call("abs", &[self]), |value| literal(value.abs()))
     }
 
@@ -363,7 +366,7 @@ impl Tape {
 }
 
 /// Formats a literal of the shading language that reads back as exactly the nearest number.
-pub fn literal_text(precision: Precision, value: f64) -> String {
+pub(crate) fn literal_text(precision: Precision, value: f64) -> String {
     let text = match precision {
         Precision::F32 => format!("{:?}f", value as f32),
         Precision::Df32 => {

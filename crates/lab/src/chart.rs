@@ -133,7 +133,7 @@ fn round_step(least: f64) -> f64 {
 }
 
 /// Formats a number with at most three decimals, without trailing zeros.
-pub fn plain(value: f64) -> String {
+pub(crate) fn plain(value: f64) -> String {
     let text = format!("{value:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

@@ -2,7 +2,7 @@
 
 /// Steps of one length, and the time left between the last one and now.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clock {
+pub(crate) struct Clock {
     /// Length of a step in seconds.
     pub step_secs: f64,
     /// Number of steps taken since the start.
@@ -15,12 +15,12 @@ const MOST_SECS: f64 = 0.25;
 
 impl Clock {
     /// Creates a clock at 0.
-    pub fn new(step_secs: f64) -> Self {
+    pub(crate) fn new(step_secs: f64) -> Self {
         Clock { step_secs, taken: 0, left_secs: 0.0 }
     }
 
     /// Adds `elapsed_secs` and returns the number of steps now due, which count as taken.
-    pub fn due(&mut self, elapsed_secs: f64) -> usize {
+    pub(crate) fn due(&mut self, elapsed_secs: f64) -> usize {
         self.left_secs += elapsed_secs.clamp(0.0, MOST_SECS);
         let due = (self.left_secs / self.step_secs + 1e-9).floor();
         self.left_secs = (self.left_secs - due * self.step_secs).max(0.0);
@@ -29,12 +29,12 @@ impl Clock {
     }
 
     /// Seconds from the start to the last step.
-    pub fn secs(&self) -> f64 {
+    pub(crate) fn secs(&self) -> f64 {
         self.taken as f64 * self.step_secs
     }
 
     /// Returns the progress from the last step towards the next one, in [0, 1].
-    pub fn share(&self) -> f64 {
+    pub(crate) fn share(&self) -> f64 {
         (self.left_secs / self.step_secs).clamp(0.0, 1.0)
     }
 }

@@ -33,7 +33,7 @@ pub struct Tint {
 
 impl Tint {
     /// The colours of a dark canvas.
-    pub const DARK: Tint = Tint {
+    pub(crate) const DARK: Tint = Tint {
         ground: CANVAS,
         ink: INK,
         faint: FAINT,
@@ -46,7 +46,7 @@ impl Tint {
         dark: true,
     };
     /// The colours of a light canvas: the same hues, darker.
-    pub const LIGHT: Tint = Tint {
+    pub(crate) const LIGHT: Tint = Tint {
         ground: Color32::from_gray(250),
         ink: Color32::from_gray(30),
         faint: Color32::from_gray(115),
@@ -66,7 +66,7 @@ impl Tint {
 }
 
 /// A canvas to draw on, in metres from a pivot, y up.
-pub struct FigureCanvas {
+pub(crate) struct FigureCanvas {
     /// The painter of the canvas.
     pub painter: Painter,
     /// The area of the canvas, in points.
@@ -84,12 +84,17 @@ const RIM: f32 = 28.0;
 impl FigureCanvas {
     /// Creates a canvas of `size` points that shows `reach_m` metres around the pivot; `told` is
     /// its description for a screen reader. The canvas senses clicks and drags.
-    pub fn new(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> (FigureCanvas, Response) {
+    pub(crate) fn new(
+        ui: &mut Ui,
+        size: Vec2,
+        reach_m: f64,
+        told: String,
+    ) -> (FigureCanvas, Response) {
         FigureCanvas::sensing(ui, size, reach_m, told, Sense::click_and_drag())
     }
 
     /// Creates a canvas that senses no clicks or drags.
-    pub fn seen(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> FigureCanvas {
+    pub(crate) fn seen(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> FigureCanvas {
         FigureCanvas::sensing(ui, size, reach_m, told, Sense::hover()).0
     }
 
@@ -114,38 +119,38 @@ impl FigureCanvas {
     }
 
     /// Returns the screen point of a place given in metres.
-    pub fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
+    pub(crate) fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
         self.pivot + vec2(x as f32, -y as f32) * self.points_per_m
     }
 
     /// Returns the place under a screen point, in metres.
-    pub fn place(&self, at: Pos2) -> [f64; 2] {
+    pub(crate) fn place(&self, at: Pos2) -> [f64; 2] {
         let by = (at - self.pivot) / self.points_per_m;
         [f64::from(by.x), -f64::from(by.y)]
     }
 
     /// Draws a rod from one place to another.
-    pub fn rod(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
+    pub(crate) fn rod(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
         let ends = [self.at(from), self.at(to)];
         self.taken.line(ends);
         self.painter.line_segment(ends, Stroke::new(2.0, colour));
     }
 
     /// Draws a dashed line from one place to another.
-    pub fn dashed(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
+    pub(crate) fn dashed(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
         let stroke = Stroke::new(1.0, colour);
         self.painter.extend(Shape::dashed_line(&[self.at(from), self.at(to)], stroke, 5.0, 4.0));
     }
 
     /// Draws a bob whose area is proportional to its mass in kg, within limits.
-    pub fn bob(&self, at: [f64; 2], mass: f64, colour: Color32) {
+    pub(crate) fn bob(&self, at: [f64; 2], mass: f64, colour: Color32) {
         let (at, radius) = (self.at(at), width_of(mass));
         self.taken.shape(Rect::from_center_size(at, Vec2::splat(2.0 * radius)));
         self.painter.circle(at, radius, colour, Stroke::new(1.0, self.tint.ink));
     }
 
     /// Draws a uniform bar whose width grows as the square root of its mass in kg, within limits.
-    pub fn bar(&self, from: [f64; 2], to: [f64; 2], mass: f64, colour: Color32) {
+    pub(crate) fn bar(&self, from: [f64; 2], to: [f64; 2], mass: f64, colour: Color32) {
         let stroke = Stroke::new(width_of(mass), colour.gamma_multiply(0.8));
         let ends = [self.at(from), self.at(to)];
         self.taken.line(ends);
@@ -154,20 +159,20 @@ impl FigureCanvas {
     }
 
     /// Draws the pivot.
-    pub fn pivot(&self) {
+    pub(crate) fn pivot(&self) {
         self.taken.shape(Rect::from_center_size(self.pivot, Vec2::splat(8.0)));
         self.painter.circle_filled(self.pivot, 4.0, self.tint.ink);
     }
 
     /// Draws a ring at a place: a handle to drag.
-    pub fn handle(&self, at: [f64; 2], colour: Color32) {
+    pub(crate) fn handle(&self, at: [f64; 2], colour: Color32) {
         let at = self.at(at);
         self.taken.shape(Rect::from_center_size(at, Vec2::splat(12.0)));
         self.painter.circle(at, 5.0, self.tint.ground, Stroke::new(2.0, colour));
     }
 
     /// Draws an arrow from a place by a displacement in metres.
-    pub fn arrow(&self, from: [f64; 2], by: [f64; 2], colour: Color32) {
+    pub(crate) fn arrow(&self, from: [f64; 2], by: [f64; 2], colour: Color32) {
         let tip = self.at([from[0] + by[0], from[1] + by[1]]);
         let start = self.at(from);
         self.taken.line([start, tip]);
@@ -175,7 +180,7 @@ impl FigureCanvas {
     }
 
     /// Draws the arc of an angle at a place, from the downward vertical.
-    pub fn arc(&self, at: [f64; 2], angle: f64, radius_m: f64, colour: Color32) {
+    pub(crate) fn arc(&self, at: [f64; 2], angle: f64, radius_m: f64, colour: Color32) {
         let angle = wrapped(angle);
         let (center, radius) = (self.at(at), radius_m as f32 * self.points_per_m);
         let point = |k: u32| {
@@ -187,7 +192,7 @@ impl FigureCanvas {
 
     /// Writes words beside a place, to its right if nothing is there. Everything that they should
     /// not cover is drawn before.
-    pub fn label(&self, at: [f64; 2], words: &str, colour: Color32) {
+    pub(crate) fn label(&self, at: [f64; 2], words: &str, colour: Color32) {
         let font = FontId::proportional(14.0);
         let galley = self.painter.layout_no_wrap(words.to_string(), font, colour);
         let place = self.taken.beside(self.at(at), galley.size(), self.rect.shrink(6.0));
@@ -195,7 +200,7 @@ impl FigureCanvas {
     }
 
     /// Writes words in the upper left corner.
-    pub fn note(&self, words: &str) {
+    pub(crate) fn note(&self, words: &str) {
         let corner = self.rect.left_top() + vec2(8.0, 6.0);
         let font = FontId::proportional(12.0);
         let width = self.rect.width() - 16.0;
@@ -205,7 +210,7 @@ impl FigureCanvas {
     }
 
     /// Draws a line through places, fainter towards the first.
-    pub fn trail(&self, places: &[[f64; 2]], colour: Color32) {
+    pub(crate) fn trail(&self, places: &[[f64; 2]], colour: Color32) {
         const BAND: usize = 24;
         for first in (0..places.len().saturating_sub(1)).step_by(BAND) {
             let last = (first + BAND).min(places.len() - 1);
@@ -223,13 +228,13 @@ fn width_of(mass: f64) -> f32 {
 }
 
 /// Returns the ends of both rods in metres, for angles from the downward vertical, anticlockwise.
-pub fn ends(lengths: [f64; 2], angle: [f64; 2]) -> [[f64; 2]; 2] {
+pub(crate) fn ends(lengths: [f64; 2], angle: [f64; 2]) -> [[f64; 2]; 2] {
     let [x1, y1] = end([0.0; 2], lengths[0], angle[0]);
     [[x1, y1], end([x1, y1], lengths[1], angle[1])]
 }
 
 /// Returns the end of a rod that hangs from a place.
-pub fn end(from: [f64; 2], length: f64, angle: f64) -> [f64; 2] {
+pub(crate) fn end(from: [f64; 2], length: f64, angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     [from[0] + length * sin, from[1] - length * cos]
 }
@@ -241,12 +246,12 @@ pub fn corner_inside(area: Rect, size: Vec2, corner: Pos2) -> Pos2 {
 }
 
 /// Returns the angle of a rod from one place towards another, in rad.
-pub fn angle_of(from: [f64; 2], to: [f64; 2]) -> f64 {
+pub(crate) fn angle_of(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[0] - from[0]).atan2(from[1] - to[1])
 }
 
 /// Returns an angle without whole turns, in (−π, π].
-pub fn wrapped(angle: f64) -> f64 {
+pub(crate) fn wrapped(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let turned = angle.rem_euclid(TAU);
     if turned > PI { turned - TAU } else { turned }

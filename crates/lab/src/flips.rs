@@ -180,7 +180,7 @@ fn ratios(rule: Rule, pendulum: &Pendulum<f64>) -> (f64, f64) {
 }
 
 /// Returns the fraction of the torus that a rule forbids to pendulums released from rest.
-pub fn forbidden_share(rule: Rule, pendulum: &Pendulum<f64>) -> f64 {
+pub(crate) fn forbidden_share(rule: Rule, pendulum: &Pendulum<f64>) -> f64 {
     const STEPS: u32 = 20_000;
     let (ratio, bound) = ratios(rule, pendulum);
     let strip = |k: u32| {

@@ -16,7 +16,7 @@ use flipmap_pendulum::{Pendulum, State};
 
 /// One of the three integrators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Integrator {
+pub(crate) enum Integrator {
     /// Explicit Euler, of order 1; gains energy.
     Euler,
     /// Semi-implicit Euler, of order 1; its energy error stays bounded for long.
@@ -27,14 +27,14 @@ pub enum Integrator {
 
 impl Integrator {
     /// All integrators, with their names.
-    pub const ALL: [(Integrator, &'static str); 3] = [
+    pub(crate) const ALL: [(Integrator, &'static str); 3] = [
         (Integrator::Euler, "explicit Euler"),
         (Integrator::SemiImplicit, "semi-implicit Euler"),
         (Integrator::Rk4, "RK4"),
     ];
 
     /// Returns the integrator's colour: red, teal or dark blue, lighter on a dark canvas.
-    pub fn colour(self, tint: &Tint) -> Color32 {
+    pub(crate) fn colour(self, tint: &Tint) -> Color32 {
         let [dark, light] = match self {
             Integrator::Euler => [(0xff, 0x5c, 0x57), (0xc4, 0x1e, 0x22)],
             Integrator::SemiImplicit => [(0x2f, 0xc4, 0xb2), (0x00, 0x7f, 0x73)],
@@ -45,7 +45,12 @@ impl Integrator {
     }
 
     /// Returns the state after a step of `secs`.
-    pub fn step(self, pendulum: &Pendulum<f64>, state: &State<f64>, secs: f64) -> State<f64> {
+    pub(crate) fn step(
+        self,
+        pendulum: &Pendulum<f64>,
+        state: &State<f64>,
+        secs: f64,
+    ) -> State<f64> {
         state.plus(&match self {
             Integrator::Euler => euler(pendulum, state, secs),
             Integrator::SemiImplicit => semi_implicit_euler(pendulum, state, secs),
@@ -72,7 +77,7 @@ impl Integrator {
 
 /// The errors of the three integrators for several steps.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sweep {
+pub(crate) struct Sweep {
     /// Steps in seconds.
     pub steps_secs: Vec<f64>,
     /// Distance in rad of the final angles from those of a far smaller step, by integrator.
@@ -86,7 +91,7 @@ const DIVERGED_SPEED: f64 = 1e6;
 
 impl Sweep {
     /// Computes the sweep of a pendulum released at `start`.
-    pub fn of(pendulum: &Pendulum<f64>, start: State<f64>) -> Self {
+    pub(crate) fn of(pendulum: &Pendulum<f64>, start: State<f64>) -> Self {
         let truth = Integrator::Rk4.run(pendulum, start, SWEEP_SECS, 1.0 / 65536.0);
         let steps_secs: Vec<f64> = (6..=11).map(|k| 0.5f64.powi(k)).collect();
         let errors = Integrator::ALL.map(|(method, _)| {
@@ -101,7 +106,7 @@ impl Sweep {
     }
 
     /// Returns the order of an integrator: the slope of log error against log step.
-    pub fn order(&self, method: usize) -> f64 {
+    pub(crate) fn order(&self, method: usize) -> f64 {
         let (errors, steps) = (&self.errors[method], &self.steps_secs);
         let last = steps.len() - 1;
         (errors[0] / errors[last]).ln() / (steps[0] / steps[last]).ln()
@@ -147,7 +152,7 @@ impl MethodRun {
 
 /// The live figure of the three integrators.
 #[derive(Clone, Debug)]
-pub struct Integrators {
+pub(crate) struct Integrators {
     start: State<f64>,
     step_secs: f64,
     clock: Clock,
@@ -166,7 +171,7 @@ impl Default for Integrators {
 
 impl Integrators {
     /// Creates the figure: three pendulums released at `start`, with steps of `step_secs`.
-    pub fn new(start: State<f64>, step_secs: f64) -> Self {
+    pub(crate) fn new(start: State<f64>, step_secs: f64) -> Self {
         let sweep = Sweep::of(&pendulum(), start);
         Integrators { sweep, ..Integrators::resting(start, step_secs) }
     }

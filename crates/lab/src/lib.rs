@@ -6,7 +6,7 @@
 //! the map itself; [`flips`] explains it.
 
 pub mod chart;
-pub mod clock;
+pub(crate) mod clock;
 mod colour_words;
 mod controls;
 mod double;
@@ -17,15 +17,15 @@ mod figures;
 pub mod flips;
 mod ghost;
 pub mod home;
-pub mod integrators;
+pub(crate) mod integrators;
 mod labels;
 mod machine;
-pub mod playing;
+pub(crate) mod playing;
 mod single;
 mod single_simulation;
 pub mod still;
 pub mod story;
-pub mod twenty;
+pub(crate) mod twenty;
 
 use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};

@@ -20,7 +20,8 @@ pub struct Playing {
 }
 
 /// Speeds in simulated seconds per second, each with its name.
-pub const SPEEDS: [(f64, &str); 4] = [(0.1, "1/10"), (0.25, "1/4"), (0.5, "1/2"), (1.0, "1")];
+pub(crate) const SPEEDS: [(f64, &str); 4] =
+    [(0.1, "1/10"), (0.25, "1/4"), (0.5, "1/2"), (1.0, "1")];
 /// Longest piece in which a figure is run again, in s.
 const PIECE_SECS: f64 = 0.05;
 /// Time that a frame may spend on running a figure again.
@@ -36,7 +37,7 @@ impl Default for Playing {
 
 impl Playing {
     /// Plays at a speed, in simulated seconds per second.
-    pub fn at_speed(speed: f64) -> Self {
+    pub(crate) fn at_speed(speed: f64) -> Self {
         Playing { paused: false, speed, held_at: None, goal_secs: None }
     }
 
@@ -47,7 +48,7 @@ impl Playing {
 
     /// Goes to a moment of the figure: it is run again from its start in pieces, so that no frame
     /// waits for it and the moment is the same as on the first run.
-    pub fn seek(&mut self, secs: f64) {
+    pub(crate) fn seek(&mut self, secs: f64) {
         self.goal_secs = Some(secs.max(0.0));
     }
 
@@ -59,7 +60,7 @@ impl Playing {
     }
 
     /// Advances a figure by a frame of `elapsed_secs`.
-    pub fn advance(&mut self, live: &mut dyn LiveFigure, elapsed_secs: f64) {
+    pub(crate) fn advance(&mut self, live: &mut dyn LiveFigure, elapsed_secs: f64) {
         match self.goal_secs {
             Some(goal) => self.run_again(live, goal, Instant::now() + SLICE),
             None if self.is_moving() => live.advance(elapsed_secs * self.speed),

@@ -16,7 +16,7 @@ use flipmap_pendulum::separation::{Growth, Reading, Ruler, SATURATED_RAD};
 
 /// Pendulums released from almost the same start.
 #[derive(Clone, Debug)]
-pub struct Twenty {
+pub(crate) struct Twenty {
     start: State<f64>,
     count: usize,
     nudge_rad: f64,
@@ -46,7 +46,7 @@ impl Default for Twenty {
 
 impl Twenty {
     /// Creates `count` pendulums, each released `nudge_rad` further in θ1 than the one before.
-    pub fn new(start: State<f64>, count: usize, nudge_rad: f64) -> Self {
+    pub(crate) fn new(start: State<f64>, count: usize, nudge_rad: f64) -> Self {
         let [theta1, theta2] = start.angle;
         let at = |k: usize| State { angle: [theta1 + k as f64 * nudge_rad, theta2], ..start };
         Twenty {
@@ -85,7 +85,7 @@ impl Twenty {
     }
 
     /// Returns the fitted growth of the separation so far; none while it cannot be fitted.
-    pub fn growth(&self) -> Option<Growth> {
+    pub(crate) fn growth(&self) -> Option<Growth> {
         Growth::fit(&self.readings)
     }
 

@@ -42,14 +42,14 @@ impl Dd {
     }
 
     /// The exact product of two `f64`.
-    pub fn product(a: f64, b: f64) -> Self {
+    pub(crate) fn product(a: f64, b: f64) -> Self {
         let hi = a * b;
         let ((ah, al), (bh, bl)) = (split(a), split(b));
         Dd { hi, lo: ((ah * bh - hi) + ah * bl + al * bh) + al * bl }
     }
 
     /// The nearest integer (ties as in `f64::round_ties_even` on the leading part).
-    pub fn round(self) -> Self {
+    pub(crate) fn round(self) -> Self {
         let hi = self.hi.round_ties_even();
         if hi == self.hi { Dd::fast_sum(hi, self.lo.round_ties_even()) } else { Dd::new(hi) }
     }
@@ -68,7 +68,7 @@ impl Dd {
     }
 
     /// The number nearest to a decimal of any length.
-    pub fn from_decimal(value: &DBig) -> Self {
+    pub(crate) fn from_decimal(value: &DBig) -> Self {
         let nearest = |x: &DBig| x.to_f64().value();
         let hi = nearest(value);
         if !hi.is_finite() || hi == 0.0 {

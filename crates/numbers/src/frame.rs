@@ -39,7 +39,7 @@ impl Frame {
     }
 
     /// The point of the other frame at these coordinates.
-    pub fn outward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn outward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [a, b] = self.axes;
         [0, 1].map(|i| self.middle[i] + x * a[i] + y * b[i])
     }

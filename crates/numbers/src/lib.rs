@@ -16,7 +16,7 @@
 //! ```
 
 pub mod dd;
-pub mod decimal;
+pub(crate) mod decimal;
 pub mod dual;
 pub mod fixed;
 pub mod frame;

@@ -147,7 +147,7 @@ impl Turning {
 
 /// Available numbers of terms: few, because the processor's kernels are compiled for each; more
 /// terms than the last would cost as much as a fresh sine and cosine.
-pub const TURNING_TERMS: [usize; 3] = [2, 4, 6];
+pub(crate) const TURNING_TERMS: [usize; 3] = [2, 4, 6];
 
 /// Computes `(sin x, cos x − 1)` of a small `x`, with `terms` terms after the first of the sine.
 #[inline(always)]

@@ -25,7 +25,7 @@ pub struct FirstPass {
 
 /// The start of a launch in numbers that keep their leading digits beside the top.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Release<T> {
+pub(crate) struct Release<T> {
     /// Distances of both angles from the top in rad (see [`from_top`]).
     pub from_top: [T; 2],
     /// Unit vectors along the rods, each its cosine and sine.
@@ -70,7 +70,7 @@ fn vector<T: Scalar>(angle: T, from_top: T) -> [T; 2] {
 
 impl<T: Scalar> Release<T> {
     /// Returns true if it has no speed.
-    pub fn is_at_rest(&self) -> bool {
+    pub(crate) fn is_at_rest(&self) -> bool {
         self.speed == [T::zero(); 2]
     }
 
@@ -114,7 +114,7 @@ impl<T: Scalar> Release<T> {
     }
 
     /// The distances of both bobs from the top as power series in time, in units of `length`.
-    pub fn series<const N: usize>(&self, pendulum: &Pendulum<T>, length: T) -> [[T; N]; 2] {
+    pub(crate) fn series<const N: usize>(&self, pendulum: &Pendulum<T>, length: T) -> [[T; N]; 2] {
         let series = self.expanded::<N>(pendulum, length);
         [0, 1].map(|bob| {
             std::array::from_fn(|k| match k {

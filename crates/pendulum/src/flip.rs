@@ -93,7 +93,7 @@ pub fn right_secs(unit_secs: f64) -> f64 {
 ///
 /// Returns the sign of its angle, ±π, from the first coefficient of its motion's power series that is
 /// not zero; none if nothing moves it.
-pub fn side_at_top<T: Scalar>(first_motion: Option<T>) -> Option<T> {
+pub(crate) fn side_at_top<T: Scalar>(first_motion: Option<T>) -> Option<T> {
     first_motion.map(|motion| T::from_f64(if motion > T::zero() { -1.0 } else { 1.0 }))
 }
 

@@ -108,7 +108,11 @@ impl<T: Real> State<T> {
     }
 
     /// Adds `change` in the same way, with the rounding losses of the speeds as well.
-    pub fn plus_compensated(&self, rest: &State<T>, change: &State<T>) -> (State<T>, State<T>) {
+    pub(crate) fn plus_compensated(
+        &self,
+        rest: &State<T>,
+        change: &State<T>,
+    ) -> (State<T>, State<T>) {
         let (mut next, angle) = self.plus_with_rest(rest.angle, change);
         let speed = [0, 1].map(|i| self.speed[i].fast_two_sum(rest.speed[i] + change.speed[i]));
         next.speed = speed.map(|pair| pair.0);

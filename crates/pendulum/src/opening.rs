@@ -32,11 +32,11 @@ const SAME: f64 = 1e-9;
 /// other.
 const PLAIN_RAD: f64 = 1e-18;
 /// Distance from the top in rad below which double-double cannot tell its two sides apart.
-pub const INDISTINCT_RAD: f64 = 1e-29;
+pub(crate) const INDISTINCT_RAD: f64 = 1e-29;
 
 /// Bounds on what moves a pendulum, in reduced units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates {
+pub(crate) struct Rates {
     /// Greatest angular acceleration at rest.
     pull: f64,
     /// Greatest angular acceleration by turning, over the square of the greater speed.
@@ -48,7 +48,7 @@ pub struct Rates {
 impl Rates {
     /// The bounds for a pendulum in reduced units: the equations of motion, solved for the
     /// accelerations, with all sines and cosines 1 and the least determinant.
-    pub fn new(pendulum: &Pendulum<f64>) -> Self {
+    pub(crate) fn new(pendulum: &Pendulum<f64>) -> Self {
         let Pendulum { a, b, c, p, q, least_det, friction } = *pendulum;
         let [b1, b2] = friction.unwrap_or([0.0; 2]);
         let both = (a.max(b) + c) / least_det;
@@ -61,14 +61,14 @@ impl Rates {
 
     /// Length of the opening in reduced time, for speeds up to `fastest`: no bob that begins farther
     /// than [`Rates::near_rad`] from the top reaches it so soon.
-    pub fn length(&self, fastest: f64) -> f64 {
+    pub(crate) fn length(&self, fastest: f64) -> f64 {
         TURN / self.pull.max(1.0).max(self.whirl.max(1.0) * fastest).max(self.drag)
     }
 
     /// Distance in rad that a bob of this speed cannot cover within `length`, an opening's or less,
     /// while neither bob is faster than `fastest` at first. The accelerations count twice, which
     /// makes room for what the speeds gain meanwhile.
-    pub fn near_rad(&self, speed: f64, fastest: f64, length: f64) -> f64 {
+    pub(crate) fn near_rad(&self, speed: f64, fastest: f64, length: f64) -> f64 {
         let acceleration = self.pull + self.whirl * fastest * fastest + self.drag * fastest;
         speed * length + acceleration * length * length
     }

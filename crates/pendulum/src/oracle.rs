@@ -123,7 +123,7 @@ pub fn flip_within<T: Scalar>(step: &TaylorStep<T>, rule: Rule) -> Option<T> {
 
 /// All moments in (0, length] at which an unwrapped angle passes an odd multiple of π, in either
 /// direction.
-pub fn passages<T: Scalar>(angle: &[T], length: T) -> Vec<T> {
+pub(crate) fn passages<T: Scalar>(angle: &[T], length: T) -> Vec<T> {
     let turn = 2.0 * std::f64::consts::PI;
     let reach = reach(angle, length).to_f64();
     let start = angle[0].to_f64();

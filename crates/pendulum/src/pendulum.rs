@@ -238,7 +238,7 @@ impl<T: Real> Pendulum<T> {
 
     /// The torques of friction in N m at these speeds (rad/s), if there is any.
     #[inline(always)]
-    pub fn drag(&self, [w1, w2]: [T; 2]) -> Option<[T; 2]> {
+    pub(crate) fn drag(&self, [w1, w2]: [T; 2]) -> Option<[T; 2]> {
         let [b1, b2] = self.friction?;
         let joint = b2 * (w2 - w1);
         Some([joint - b1 * w1, -joint])

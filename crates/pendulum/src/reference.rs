@@ -68,7 +68,7 @@ pub fn reference(
 }
 
 /// Drops the digits that a reference no longer needs where neighbours are `spread` away from it.
-pub fn drop_digits(reference: &mut Box<dyn Reference>, spread: f64) {
+pub(crate) fn drop_digits(reference: &mut Box<dyn Reference>, spread: f64) {
     let size = (-spread.log2()).ceil().max(0.0) as u32;
     if let Some(coarser) = reference.with_fewer_digits(bits_for(size) + SPARE_BITS) {
         *reference = coarser;

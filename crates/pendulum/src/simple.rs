@@ -70,7 +70,7 @@ impl Simple {
 
     /// The time in s from `swing` to the bottom, within a step of `secs` over which the angle
     /// changes sign: Newton's method on steps shortened to end there.
-    pub fn crossing_secs(&self, swing: Swing, secs: f64) -> f64 {
+    pub(crate) fn crossing_secs(&self, swing: Swing, secs: f64) -> f64 {
         let mut within = 0.5 * secs;
         for _ in 0..8 {
             let there = self.step(swing, within);

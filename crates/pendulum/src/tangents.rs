@@ -93,7 +93,7 @@ impl TangentMap {
     /// The map of a neighbour, to first order in the relative difference of the two maps. The nudge
     /// that grows faster than all others becomes `here` on this orbit and `there` on the neighbour's.
     #[must_use]
-    pub fn of_neighbour(&self, here: [f64; 4], there: [f64; 4]) -> Self {
+    pub(crate) fn of_neighbour(&self, here: [f64; 4], there: [f64; 4]) -> Self {
         let dot = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
         let square = dot(&here, &here);
         let columns = self.columns.map(|column| {

@@ -68,7 +68,7 @@ impl<T: Scalar> Orbit<T> {
     }
 
     /// The same with errors of about 2^−`bits` a step; floating-point types use all their digits.
-    pub fn with_bits(pendulum: Pendulum<T>, state: State<T>, bits: u32) -> Self {
+    pub(crate) fn with_bits(pendulum: Pendulum<T>, state: State<T>, bits: u32) -> Self {
         let unit_secs = if T::FLOATING { 1.0 } else { first_unit(&pendulum, &state) };
         Orbit {
             pendulum,
@@ -82,7 +82,7 @@ impl<T: Scalar> Orbit<T> {
     }
 
     /// Lets errors grow to about 2^−`bits` a step from the next one on, if that is more than before.
-    pub fn lower_bits(&mut self, bits: u32) {
+    pub(crate) fn lower_bits(&mut self, bits: u32) {
         if bits < self.series.bits {
             self.series = RecurrenceSeries::new(bits);
         }

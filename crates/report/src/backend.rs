@@ -31,7 +31,7 @@ pub struct BackendFilter {
 
 impl Backend {
     /// Returns the backend as an engine.
-    pub fn engine(&mut self) -> &mut dyn Engine {
+    pub(crate) fn engine(&mut self) -> &mut dyn Engine {
         match self {
             Backend::Cpu(engine, _) => engine.as_mut(),
             Backend::Gpu(engine) => engine.as_mut(),
@@ -39,7 +39,7 @@ impl Backend {
     }
 
     /// The kind of engine.
-    pub fn kind(&self) -> EngineKind {
+    pub(crate) fn kind(&self) -> EngineKind {
         match self {
             Backend::Cpu(..) => EngineKind::Cpu,
             Backend::Gpu(_) => EngineKind::Gpu,
@@ -47,7 +47,7 @@ impl Backend {
     }
 
     /// The adapter, or the processor's threads and SIMD width.
-    pub fn adapter(&self) -> String {
+    pub(crate) fn adapter(&self) -> String {
         match self {
             Backend::Cpu(engine, _) => engine.adapter(),
             Backend::Gpu(engine) => engine.adapter(),
@@ -55,7 +55,7 @@ impl Backend {
     }
 
     /// Number of threads if the processor computes, `None` for an adapter.
-    pub fn threads(&self) -> Option<usize> {
+    pub(crate) fn threads(&self) -> Option<usize> {
         match self {
             Backend::Cpu(_, threads) => Some(*threads),
             Backend::Gpu(_) => None,
@@ -63,18 +63,18 @@ impl Backend {
     }
 
     /// The engine's full name: `cpu` or `gpu`, and the adapter.
-    pub fn full_name(&self) -> String {
+    pub(crate) fn full_name(&self) -> String {
         format!("{}: {}", self.kind(), self.adapter())
     }
 
     /// The engine's short name, by [`short_name`].
-    pub fn short_name(&self) -> String {
+    pub(crate) fn short_name(&self) -> String {
         short_name(self.kind(), &self.adapter())
     }
 }
 
 /// `cpu`, or `gpu` with the adapter's name but without its driver.
-pub fn short_name(engine: EngineKind, adapter: &str) -> String {
+pub(crate) fn short_name(engine: EngineKind, adapter: &str) -> String {
     match (engine, adapter.split_once(" (")) {
         (EngineKind::Gpu, Some((name, _))) => format!("gpu {name}"),
         _ => engine.to_string(),
@@ -82,7 +82,7 @@ pub fn short_name(engine: EngineKind, adapter: &str) -> String {
 }
 
 /// Starts every requested engine of this machine; adapters that do not start become refusals.
-pub fn discover(
+pub(crate) fn discover(
     field: &BackendFilter,
     stop: StopTest,
 ) -> Result<(Vec<Backend>, Vec<Refusal>), ReportError> {

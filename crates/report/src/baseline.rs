@@ -8,7 +8,7 @@ use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::{Outcome, State, Status, flip, integrator};
 
 /// Step of the loop in seconds.
-pub const STEP_SECS: f64 = 1.0 / 120.0;
+pub(crate) const STEP_SECS: f64 = 1.0 / 120.0;
 
 /// Integrates one pendulum by plain RK4 in f64 at 120 steps per second.
 pub fn outcome(question: &Question, angle: [Dd; 2]) -> Outcome {

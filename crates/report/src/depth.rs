@@ -71,7 +71,7 @@ pub struct DepthRow {
 
 /// Ways to compute the pixels of a deep view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DepthWay {
+pub(crate) enum DepthWay {
     /// Directly from the release.
     Direct,
     /// Through cells and strips, each pixel by itself.
@@ -93,7 +93,7 @@ pub struct UsByWay {
 
 impl DepthWay {
     /// Every way.
-    pub const ALL: [DepthWay; 3] = [DepthWay::Direct, DepthWay::Cells, DepthWay::Lines];
+    pub(crate) const ALL: [DepthWay; 3] = [DepthWay::Direct, DepthWay::Cells, DepthWay::Lines];
 }
 
 impl std::fmt::Display for DepthWay {
@@ -108,7 +108,7 @@ impl std::fmt::Display for DepthWay {
 
 impl UsByWay {
     /// The time by one way.
-    pub fn of(&self, way: DepthWay) -> Option<f64> {
+    pub(crate) fn of(&self, way: DepthWay) -> Option<f64> {
         match way {
             DepthWay::Direct => self.directly,
             DepthWay::Cells => Some(self.by_cells),

@@ -15,7 +15,7 @@ use flipmap_pendulum::Outcome;
 
 /// A pixel answered with and without checks.
 #[derive(Clone, Copy, Debug)]
-pub struct Checked {
+pub(crate) struct Checked {
     /// The answer with checks.
     pub answer: Outcome,
     /// Trust in that answer.
@@ -51,7 +51,7 @@ pub struct Checks {
 
 impl Checks {
     /// Counts `pixels`.
-    pub fn of(pixels: &[Checked]) -> Self {
+    pub(crate) fn of(pixels: &[Checked]) -> Self {
         let count =
             |fits: &dyn Fn(&Checked) -> bool| pixels.iter().filter(|pixel| fits(pixel)).count();
         let trusted = |trust| count(&|pixel: &Checked| pixel.trust == trust);
@@ -71,12 +71,12 @@ impl Checks {
     }
 
     /// Number of pixels wrong without checks that checking corrected or marked.
-    pub fn caught(&self) -> usize {
+    pub(crate) fn caught(&self) -> usize {
         self.corrected + self.wrong_but_marked
     }
 
     /// Share of pixels marked as uncertain, or `None` if there are no pixels.
-    pub fn marked_share(&self) -> Option<f64> {
+    pub(crate) fn marked_share(&self) -> Option<f64> {
         (self.pixels > 0).then(|| self.marked as f64 / self.pixels as f64)
     }
 }
@@ -99,7 +99,7 @@ impl std::iter::Sum for Checks {
 
 impl Checked {
     /// Combines the answers pixel by pixel.
-    pub fn all(
+    pub(crate) fn all(
         answers: &[Outcome],
         trusts: &[Trust],
         unchecked: &[Outcome],

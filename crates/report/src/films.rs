@@ -17,7 +17,9 @@ use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::{Engine, IntegratorConfig};
 use flipmap_numbers::Scalar;
 use flipmap_render::farm::merge::{self, FilmSink, MergeError};
-use flipmap_render::farm::{PartError, Parts, Plan, PlanError, PlannedOutput, RunError, Task, run};
+pub(crate) use flipmap_render::farm::{
+    PartError, Parts, Plan, PlanError, PlannedOutput, RunError, Task, run,
+};
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key};
 use flipmap_scene::{BuiltIn, Document, Sampling};
@@ -118,7 +120,7 @@ pub(super) fn are_measured(report: &Report) -> bool {
 
 impl LongFilm {
     /// The time that follows from a report's rows; `None` unless every zoom and the frames were measured.
-    pub fn of(report: &Report) -> Option<Self> {
+    pub(crate) fn of(report: &Report) -> Option<Self> {
         let painting = report.painting.as_ref()?;
         let zooms = &report.zooms[..];
         if zooms.len() != ZOOMS.len() {
@@ -144,7 +146,7 @@ impl LongFilm {
     }
 
     /// Seconds for samples and frames.
-    pub fn secs(&self) -> f64 {
+    pub(crate) fn secs(&self) -> f64 {
         self.sampling_secs + self.painting_secs
     }
 }

@@ -5,7 +5,7 @@
 //! is complete in itself and lists what is still missing; [`pages`] lays it out for readers, and
 //! [`Folder`] writes it.
 
-pub mod backend;
+pub(crate) mod backend;
 pub mod baseline;
 mod beyond;
 mod chapters;

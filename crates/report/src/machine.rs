@@ -21,7 +21,7 @@ pub struct Machine {
 
 impl Machine {
     /// The machine that this process runs on, with the engines found on it.
-    pub fn here(engines: Vec<String>) -> Self {
+    pub(crate) fn here(engines: Vec<String>) -> Self {
         Machine {
             cpu: cpu_model(),
             cores: std::thread::available_parallelism().map_or(1, usize::from),

@@ -19,7 +19,7 @@ use flipmap_pendulum::{Pendulum, State, integrator};
 use flipmap_scene::Scene;
 
 /// Seconds after the release at which errors are evaluated.
-pub const TIMES_SECS: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 20.0];
+pub(crate) const TIMES_SECS: [f64; 5] = [1.0, 2.0, 5.0, 10.0, 20.0];
 
 /// Starts (rad) that f32 represents exactly, so that every method gets the same pendulum.
 const GROUPS: [(&str, [[f64; 2]; 4]); 2] = [
@@ -47,7 +47,7 @@ pub struct MotionError {
 type TimedState = (f64, State<f64>);
 
 /// Computes the errors of every config; a precision other than f32 runs as f64.
-pub fn errors(
+pub(crate) fn errors(
     configs: &[IntegratorConfig],
     stop: StopTest,
 ) -> Result<Vec<MotionError>, ReportError> {

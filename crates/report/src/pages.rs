@@ -48,13 +48,13 @@ pub struct Table {
 
 impl Table {
     /// A table with a caption, the names of its columns, and its rows.
-    pub fn new(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Self {
+    pub(crate) fn new(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Self {
         let head = head.iter().map(ToString::to_string).collect();
         Table { caption: caption.to_string(), head, rows }
     }
 
     /// Returns true if a column other than the first holds numbers, or dashes for missing ones.
-    pub fn is_numeric(&self, column: usize) -> bool {
+    pub(crate) fn is_numeric(&self, column: usize) -> bool {
         let is_number =
             |cell: &String| cell == "–" || cell.starts_with(|c: char| c.is_ascii_digit());
         column > 0 && self.rows.iter().all(|row| row.get(column).is_some_and(is_number))
@@ -62,12 +62,12 @@ impl Table {
 }
 
 /// The title of a report.
-pub fn title(report: &Report) -> String {
+pub(crate) fn title(report: &Report) -> String {
     format!("flipmap {}: speed against error on this machine", report.machine.flipmap)
 }
 
 /// The chapters of a report.
-pub fn sections(report: &Report) -> Result<Vec<Section>, ReportError> {
+pub(crate) fn sections(report: &Report) -> Result<Vec<Section>, ReportError> {
     let mut sections = vec![state(report), targets(report), machine(report)];
     sections.extend(chapters::levels(report));
     for engine in engines(&report.rows) {
@@ -84,7 +84,7 @@ pub fn sections(report: &Report) -> Result<Vec<Section>, ReportError> {
 }
 
 /// A chapter with a title and contents.
-pub fn section(title: &str, blocks: Vec<Block>) -> Section {
+pub(crate) fn section(title: &str, blocks: Vec<Block>) -> Section {
     Section { title: title.to_string(), blocks }
 }
 
@@ -337,17 +337,17 @@ fn words(row: &Row) -> String {
 }
 
 /// Formats a number with three significant digits.
-pub fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 6) as usize;
     format!("{value:.digits$}")
 }
 
 /// Formats a share with four decimals, or as a dash.
-pub fn share(value: Option<f64>) -> String {
+pub(crate) fn share(value: Option<f64>) -> String {
     value.map_or("–".to_string(), |value| format!("{value:.4}"))
 }
 
 /// Formats a number with two digits and a power of ten, or as a dash.
-pub fn brief(value: Option<f64>) -> String {
+pub(crate) fn brief(value: Option<f64>) -> String {
     value.map_or("–".to_string(), |value| format!("{value:.1e}"))
 }

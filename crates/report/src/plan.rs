@@ -62,7 +62,7 @@ impl Thoroughness {
 }
 
 /// Every config that is requested from an engine, those that share a kernel side by side.
-pub fn configs(quick: bool) -> Vec<IntegratorConfig> {
+pub(crate) fn configs(quick: bool) -> Vec<IntegratorConfig> {
     let rk4 = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
     let dopri5 = |tolerance| Method::Dopri5 { tolerance };
     let dop853 = |tolerance| Method::Dop853 { tolerance };
@@ -101,15 +101,15 @@ pub fn configs(quick: bool) -> Vec<IntegratorConfig> {
 }
 
 /// Integrator configs for pixels of a deep zoom.
-pub const DEEP: [IntegratorConfig; 3] = [BALANCED, BALANCED_DF32, FAST];
+pub(crate) const DEEP: [IntegratorConfig; 3] = [BALANCED, BALANCED_DF32, FAST];
 
 /// The configs for which the kernel made for its scene is compared with the general one.
-pub fn specialised(quick: bool) -> &'static [IntegratorConfig] {
+pub(crate) fn specialised(quick: bool) -> &'static [IntegratorConfig] {
     if quick { &[LESSON] } else { &[LESSON, FAST, BALANCED] }
 }
 
 /// The configs by which the questions other than the first flip are answered, from coarse to fine.
-pub fn questions(quick: bool) -> Vec<IntegratorConfig> {
+pub(crate) fn questions(quick: bool) -> Vec<IntegratorConfig> {
     if quick {
         return vec![FAST, BALANCED];
     }
@@ -126,7 +126,7 @@ pub fn questions(quick: bool) -> Vec<IntegratorConfig> {
 }
 
 /// Configs of the table of errors in angle and energy.
-pub fn motions() -> Vec<IntegratorConfig> {
+pub(crate) fn motions() -> Vec<IntegratorConfig> {
     let step = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
     let mut configs = Vec::new();
     for precision in [Precision::F32, Precision::F64] {
@@ -144,7 +144,7 @@ pub fn motions() -> Vec<IntegratorConfig> {
 }
 
 /// Describes a config for readers.
-pub fn words(config: &IntegratorConfig) -> String {
+pub(crate) fn words(config: &IntegratorConfig) -> String {
     format!("{}, {}, {}", config.method.name(), config.method.setting(), config.precision)
 }
 

@@ -5,7 +5,7 @@ use serde::Serialize;
 use flipmap_pendulum::{Outcome, Status};
 
 /// Largest error of a flip time that counts as right, s.
-pub const RIGHT_SECS: f64 = 1e-3;
+pub(crate) const RIGHT_SECS: f64 = 1e-3;
 
 /// Bounds of the bands of true flip times, s; the unflipped starts are a band of their own.
 const BAND_BOUNDS: [f64; 6] = [0.0, 2.0, 5.0, 10.0, 20.0, 30.0];
@@ -40,11 +40,11 @@ pub struct Band {
 }
 
 /// An answer and the true outcome.
-pub type OutcomePair = (Outcome, Outcome);
+pub(crate) type OutcomePair = (Outcome, Outcome);
 
 impl Errors {
     /// Computes the errors of some answers.
-    pub fn of(pairs: &[OutcomePair]) -> Self {
+    pub(crate) fn of(pairs: &[OutcomePair]) -> Self {
         let share = |fits: fn(&OutcomePair) -> bool| {
             let count = pairs.iter().filter(|pair| fits(pair)).count();
             (!pairs.is_empty()).then(|| count as f64 / pairs.len() as f64)
@@ -73,14 +73,14 @@ fn distance((answer, truth): &OutcomePair) -> f64 {
 }
 
 /// Returns true if the status and, for a flip, the time (within [`RIGHT_SECS`]) match the truth.
-pub fn is_right(pair: &OutcomePair) -> bool {
+pub(crate) fn is_right(pair: &OutcomePair) -> bool {
     let same = pair.0.status == pair.1.status;
     // Written so that a NaN is wrong.
     same && (pair.1.status != Status::Flipped || distance(pair) <= RIGHT_SECS)
 }
 
 /// Computes the errors for each band of true flip times, including empty bands.
-pub fn bands(pairs: &[OutcomePair]) -> Vec<Band> {
+pub(crate) fn bands(pairs: &[OutcomePair]) -> Vec<Band> {
     let band = |name: String, fits: &dyn Fn(&Outcome) -> bool| {
         let inside: Vec<OutcomePair> = pairs.iter().filter(|pair| fits(&pair.1)).copied().collect();
         Band { name, errors: Errors::of(&inside) }
@@ -100,13 +100,13 @@ pub fn bands(pairs: &[OutcomePair]) -> Vec<Band> {
 }
 
 /// Returns the smallest member of `sorted` that at least a share `q` of the members do not exceed.
-pub fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
+pub(crate) fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
     let rank = (q * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.saturating_sub(1)).copied()
 }
 
 /// The median of numbers in any order.
-pub fn median(numbers: &[f64]) -> Option<f64> {
+pub(crate) fn median(numbers: &[f64]) -> Option<f64> {
     let mut sorted = numbers.to_vec();
     sorted.sort_by(f64::total_cmp);
     quantile(&sorted, 0.5)

@@ -23,7 +23,7 @@ pub struct TestSet {
 
 impl TestSet {
     /// The test set of the home map, with the truth about `sample` of its starts.
-    pub fn home(sample: usize, stop: StopTest) -> Result<Self, ReportError> {
+    pub(crate) fn home(sample: usize, stop: StopTest) -> Result<Self, ReportError> {
         let scene = Scene::default();
         let question = Question::from(&scene);
         let starts = open_starts(&scene, SIDE);

@@ -10,16 +10,16 @@ use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::{Outcome, oracle};
 
 /// The config with the finest steps of double-double, which decides late and narrow windows.
-pub const FINEST: IntegratorConfig =
+pub(crate) const FINEST: IntegratorConfig =
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-28 }, precision: Precision::Dd };
 
 /// The gold standard's outcomes in double-double, times as f64.
-pub fn oracle_dd(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+pub(crate) fn oracle_dd(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     solve(question, starts, |theta| theta)
 }
 
 /// The gold standard's outcomes in f64.
-pub fn oracle_f64(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+pub(crate) fn oracle_f64(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     solve(question, starts, |theta| theta.hi)
 }
 
@@ -38,7 +38,7 @@ fn solve<T: Scalar>(
 }
 
 /// The processor's answers by [`FINEST`], in the order of the starts.
-pub fn finest(
+pub(crate) fn finest(
     question: &Question,
     starts: &[[Dd; 2]],
     threads: Option<usize>,

@@ -74,7 +74,7 @@ impl Budget {
     /// The budget in s of a view on the way between two with automatic budgets, as though neighbours
     /// moved apart at one rate all along the way to the deeper one. None if they are not automatic, or
     /// if the deeper one has the shorter budget.
-    pub fn on_the_way(ends: [(Budget, &View); 2], view: &View) -> Option<f64> {
+    pub(crate) fn on_the_way(ends: [(Budget, &View); 2], view: &View) -> Option<f64> {
         let needed = |view: &View| decades(view.width_rad().to_f64()) + PIXEL_DECADES;
         let [a, b] = ends.map(|(budget, view)| (needed(view), budget.secs));
         let ((_, least), (most_needed, most)) = if a > b { (b, a) } else { (a, b) };

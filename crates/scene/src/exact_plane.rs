@@ -37,7 +37,7 @@ impl ExactPlane {
         ExactPlane { places: [0, 1], origin: [Theta::ZERO; 4], doublings: 0, section: None };
 
     /// The exact plane of a checked one.
-    pub fn new(plane: &Plane, build: &Build) -> Self {
+    pub(crate) fn new(plane: &Plane, build: &Build) -> Self {
         let axes = plane.axes();
         let section = axes.contains(&Axis::Momentum2).then(|| Section {
             energy: Theta::from_f64(plane.energy),
@@ -53,7 +53,7 @@ impl ExactPlane {
 
     /// Returns true if every position has a start, whose quantities change evenly from place to
     /// place.
-    pub fn is_flat(&self) -> bool {
+    pub(crate) fn is_flat(&self) -> bool {
         self.section.is_none()
     }
 
@@ -73,7 +73,7 @@ impl ExactPlane {
 
     /// Returns true if the lattice reaches all positions up to `half` from a centre along each axis,
     /// in the units of the axes. Angles repeat in it.
-    pub fn reaches(&self, center: [f64; 2], half: [f64; 2]) -> bool {
+    pub(crate) fn reaches(&self, center: [f64; 2], half: [f64; 2]) -> bool {
         let most = self.half_side(0);
         (0..2).all(|i| self.places[i] < 2 || center[i].abs() + half[i] < most)
     }
@@ -98,7 +98,7 @@ impl ExactPlane {
 
     /// The start at a position in the units of the axes; angles in (−π, π] rad, speeds in rad/s. None
     /// where a section has no real solution.
-    pub fn start_at(&self, position: [Theta; 2]) -> Option<State<Theta>> {
+    pub(crate) fn start_at(&self, position: [Theta; 2]) -> Option<State<Theta>> {
         let mut start = self.origin;
         for (place, value) in self.places.into_iter().zip(position) {
             start[place] = value;

@@ -46,7 +46,7 @@ pub enum Easing {
 
 impl Easing {
     /// The share of the way covered after a share of the time.
-    pub fn share(self, time: f64) -> f64 {
+    pub(crate) fn share(self, time: f64) -> f64 {
         match self {
             Easing::Smooth => time * time * (3.0 - 2.0 * time),
             Easing::Linear => time,

@@ -130,7 +130,7 @@ impl Cell {
     }
 
     /// A place inside the cell, mapped to [−1, 1]².
-    pub fn point(&self, place: [Turn; 2]) -> [f64; 2] {
+    pub(crate) fn point(&self, place: [Turn; 2]) -> [f64; 2] {
         let half = 2f64.powi(self.level as i32 + 1);
         let corner = [self.x, self.y];
         [0, 1].map(|i| (place[i] - corner[i]).wrapped().to_f64() * half - 1.0)
@@ -162,7 +162,7 @@ impl Cell {
     }
 
     /// The cell's image under (θ1, θ2) → (−θ1, −θ2).
-    pub fn mirrored(&self) -> Cell {
+    pub(crate) fn mirrored(&self) -> Cell {
         let last = Turn::side(0) - Turn::side(self.level);
         Cell { level: self.level, x: last - self.x, y: last - self.y }
     }

@@ -64,7 +64,8 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind with its name.
-    pub const ALL: [(&'static str, Kind); 2] = [("points", Kind::Points), ("rods", Kind::Rods)];
+    pub(crate) const ALL: [(&'static str, Kind); 2] =
+        [("points", Kind::Points), ("rods", Kind::Rods)];
 }
 
 /// A pendulum as people build it.

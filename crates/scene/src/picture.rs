@@ -125,7 +125,7 @@ pub enum Scale {
 
 impl Scale {
     /// Every scale with its name.
-    pub const ALL: [(&'static str, Scale); 3] =
+    pub(crate) const ALL: [(&'static str, Scale); 3] =
         [("log", Scale::Log), ("linear", Scale::Linear), ("steps", Scale::Steps)];
 }
 
@@ -170,7 +170,7 @@ impl PictureTable {
     /// Range of the strength of the light from the side.
     pub const RELIEFS: std::ops::RangeInclusive<f64> = 0.0..=1.0;
     /// Range of the direction to that light, degrees.
-    pub const LIGHTS_DEG: std::ops::RangeInclusive<f64> = -360.0..=360.0;
+    pub(crate) const LIGHTS_DEG: std::ops::RangeInclusive<f64> = -360.0..=360.0;
     /// Range of the times that colours can stand for, s.
     pub const SECS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
     /// Largest number of times in a stretched range.

@@ -180,7 +180,7 @@ impl Plane {
     }
 
     /// Checks that every number can be used for this pendulum.
-    pub fn check(&self, build: &Build) -> Result<(), SceneError> {
+    pub(crate) fn check(&self, build: &Build) -> Result<(), SceneError> {
         let refuse = |setting, value: String, range: &'static str| {
             Err(SceneError::new(setting, value, range))
         };

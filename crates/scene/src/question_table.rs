@@ -61,12 +61,12 @@ impl QuestionTable {
     }
 
     /// Returns true if deep views are answered, by following cells of starts.
-    pub fn follows_cells(&self) -> bool {
+    pub(crate) fn follows_cells(&self) -> bool {
         self.ask.kind().follows_cells && self.passes() == 1
     }
 
     /// Indices of the bobs whose passes of the top an answer tells or counts.
-    pub fn bobs_at_top(&self) -> &'static [usize] {
+    pub(crate) fn bobs_at_top(&self) -> &'static [usize] {
         match self.watched() {
             Rule::Neither if self.ask.kind().needs == Needs::End => Rule::Either.watched(),
             rule => rule.watched(),

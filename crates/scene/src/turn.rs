@@ -55,7 +55,7 @@ impl Turn {
     }
 
     /// Rounds the place down to the nearest side of a cell of the level.
-    pub fn floor(self, level: u32) -> Self {
+    pub(crate) fn floor(self, level: u32) -> Self {
         Turn(self.0.without_lowest(Fixed::<8>::BITS - level))
     }
 

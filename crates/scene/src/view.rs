@@ -122,7 +122,7 @@ impl View {
 
     /// True if the picture maps onto itself under (θ1, θ2) → (−θ1, −θ2), pixel by pixel: it is
     /// centred on a fixed point, 0 or, for coordinates that repeat, π.
-    pub fn is_symmetric(&self, wraps: [bool; 2]) -> bool {
+    pub(crate) fn is_symmetric(&self, wraps: [bool; 2]) -> bool {
         let fixed =
             |theta: Theta, wraps| theta == Theta::ZERO || wraps && theta.abs() == Theta::pi();
         self.center_rad().into_iter().zip(wraps).all(|(theta, wraps)| fixed(theta, wraps))

@@ -122,7 +122,7 @@ impl Word {
     }
 
     /// Sets this word of a scene from `text`; [`Scene::checked`] checks the ranges.
-    pub fn set(self, scene: &mut Scene, text: &str) -> Result<(), SceneError> {
+    pub(crate) fn set(self, scene: &mut Scene, text: &str) -> Result<(), SceneError> {
         self.apply(scene, text.trim())
             .map_err(|range| SceneError::new(self.setting(), format!("'{text}'"), range))
     }

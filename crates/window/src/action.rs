@@ -50,7 +50,7 @@ pub enum Look {
 
 impl Action {
     /// Returns true if the action needs the map to be visible.
-    pub fn is_of_map(&self) -> bool {
+    pub(crate) fn is_of_map(&self) -> bool {
         matches!(self, Action::Look(_) | Action::Pin(_) | Action::GoDeeper | Action::Layers(_))
     }
 }

@@ -37,7 +37,7 @@ const LARGEST_SAMPLE_PX: f64 = 2.0 / 1.3;
 
 impl Camera {
     /// Returns the numbers of a checked view of a plane.
-    pub fn from_view(view: &View, reach: Reach) -> Self {
+    pub(crate) fn from_view(view: &View, reach: Reach) -> Self {
         Camera {
             center: reach.place(view.center_rad()),
             width_rad: view.width_rad().hi / reach.units(),
@@ -50,7 +50,7 @@ impl Camera {
 
     /// Returns the view of a plane that is shown first on a canvas of this size: the whole torus,
     /// as the home scene shows it, or the middle of a plane that has no end.
-    pub fn home(reach: Reach, canvas: DVec2) -> Self {
+    pub(crate) fn home(reach: Reach, canvas: DVec2) -> Self {
         if reach != Reach::TORUS {
             return Camera::whole(reach);
         }
@@ -96,13 +96,13 @@ impl Camera {
     }
 
     /// Returns the camera zoomed by a factor about a point at an offset from the centre in rad.
-    pub fn zoomed(&self, factor: f64, about_rad: DVec2) -> Self {
+    pub(crate) fn zoomed(&self, factor: f64, about_rad: DVec2) -> Self {
         let zoomed = Camera { width_rad: self.width_rad / factor, ..*self }.within_reach();
         zoomed.moved(about_rad * (1.0 - zoomed.width_rad / self.width_rad))
     }
 
     /// Returns the camera stretched by a factor, as far as the window stretches.
-    pub fn stretched(&self, factor: f64) -> Self {
+    pub(crate) fn stretched(&self, factor: f64) -> Self {
         // A view that was opened may be stretched more.
         let (least, most) = (self.stretch.min(1.0 / MOST_STRETCH), self.stretch.max(MOST_STRETCH));
         Camera { stretch: (self.stretch * factor).clamp(least, most), ..*self }
@@ -114,7 +114,7 @@ impl Camera {
     }
 
     /// Returns the offset of another centre from this one, the short way round the torus, in rad.
-    pub fn offset_of(&self, angle: [Theta; 2]) -> DVec2 {
+    pub(crate) fn offset_of(&self, angle: [Theta; 2]) -> DVec2 {
         DVec2::from_array(self.reach.difference(angle, self.center))
     }
 }
@@ -133,7 +133,7 @@ pub struct Screen {
 
 impl Screen {
     /// Returns the offset from the centre, in rad, of a point on the screen.
-    pub fn offset_at(&self, point: DVec2) -> DVec2 {
+    pub(crate) fn offset_at(&self, point: DVec2) -> DVec2 {
         self.plane_from_screen() * point
     }
 
@@ -143,13 +143,13 @@ impl Screen {
     }
 
     /// Returns the point on the screen at an offset from the centre in rad.
-    pub fn point_of(&self, offset_rad: DVec2) -> DVec2 {
+    pub(crate) fn point_of(&self, offset_rad: DVec2) -> DVec2 {
         self.plane_from_screen().inverse() * offset_rad
     }
 
     /// Returns the camera with the map turned about the middle of the canvas, as if it had been
     /// dragged there from one point to another.
-    pub fn turned(&self, from: DVec2, to: DVec2) -> Camera {
+    pub(crate) fn turned(&self, from: DVec2, to: DVec2) -> Camera {
         let shown = DVec2::new(1.0, -1.0 / self.camera.stretch);
         let by = (shown * to).angle_to(shown * from).to_degrees();
         if by.is_nan() {
@@ -227,7 +227,7 @@ impl MovePace {
 impl Move {
     /// Returns the camera at a moment, and true if the move is over. The width changes
     /// geometrically in eased time; a point that ends where it began stays there throughout.
-    pub fn at(&self, now_secs: f64) -> (Camera, bool) {
+    pub(crate) fn at(&self, now_secs: f64) -> (Camera, bool) {
         let t = ((now_secs - self.began_secs) / self.pace.secs()).clamp(0.0, 1.0);
         if t >= 1.0 {
             return (self.to, true);

@@ -11,7 +11,7 @@ use flipmap_scene::question::{Channel, ChannelScale};
 use flipmap_scene::{PlaneKind, Scene};
 
 /// Describes a sample of a level: its coordinates on the scene's plane and its answer.
-pub fn words_of(hovered: &Hovered, scene: &Scene, level: u32) -> String {
+pub(crate) fn words_of(hovered: &Hovered, scene: &Scene, level: u32) -> String {
     let reach = Reach::of(scene);
     // Enough digits to tell neighbouring samples apart.
     let pitch = pitch_rad(level) * reach.units();
@@ -24,7 +24,7 @@ pub fn words_of(hovered: &Hovered, scene: &Scene, level: u32) -> String {
 }
 
 /// The coordinates of a point of a scene's plane with their units.
-pub fn place_words(scene: &Scene, coordinates: [Theta; 2], digits: usize) -> String {
+pub(crate) fn place_words(scene: &Scene, coordinates: [Theta; 2], digits: usize) -> String {
     let axes = scene.plane.axes();
     let [x, y] = [0, 1].map(|i| {
         let value = coordinates[i];

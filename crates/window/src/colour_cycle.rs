@@ -4,7 +4,7 @@ use flipmap_scene::PictureTable;
 use flipmap_scene::palette::Palette;
 
 /// Times a second that the palette can come round.
-pub const CYCLE_SPEEDS: std::ops::RangeInclusive<f64> = 0.02..=1.0;
+pub(crate) const CYCLE_SPEEDS: std::ops::RangeInclusive<f64> = 0.02..=1.0;
 
 /// The animation of the palette's offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ impl Default for ColourCycle {
 
 impl ColourCycle {
     /// Moves the palette of a picture on; a palette that has ends is mirrored, so that none is seen.
-    pub fn advance(&self, picture: &mut PictureTable, elapsed_secs: f64) {
+    pub(crate) fn advance(&self, picture: &mut PictureTable, elapsed_secs: f64) {
         if self.runs {
             picture.mirror |= !Palette::is_cyclic(&picture.palette);
             picture.offset = (picture.offset + self.speed * elapsed_secs).fract();

@@ -18,7 +18,7 @@ use flipmap_scene::palette::Palette;
 use flipmap_scene::{BUILT_IN, PictureTable};
 
 /// An action with a name.
-pub struct Command {
+pub(crate) struct Command {
     /// Short description of the command.
     pub name: Cow<'static, str>,
     /// Shortcuts that trigger it.
@@ -39,7 +39,7 @@ fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 }
 
 /// Returns every command, as it would act on a state.
-pub fn commands(state: &AppState) -> Vec<Command> {
+pub(crate) fn commands(state: &AppState) -> Vec<Command> {
     let mut commands = moving();
     commands.extend(showing(&state.layers));
     commands.extend(doing(state));
@@ -167,7 +167,7 @@ fn teaching() -> Vec<Command> {
 }
 
 /// Returns the commands for colours kept under digits; one line of the list of keys stands for all.
-pub fn favourites() -> Vec<Command> {
+pub(crate) fn favourites() -> Vec<Command> {
     const KEYS: [Key; 9] = [
         Key::Num1,
         Key::Num2,
@@ -195,7 +195,7 @@ pub fn favourites() -> Vec<Command> {
 
 /// Returns what can be chosen by name but has no key: panels, places and palettes. For the command
 /// palette alone, since it reads the scenes.
-pub fn choices(picture: &PictureTable) -> Vec<Command> {
+pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
     let panels = PANELS.map(|name| command(format!("Panel: {name}"), [], Action::Panel(name)));
     let places = BUILT_IN.iter().map(|place| {
         let show = Action::Show(Box::new(place.document()));
@@ -210,7 +210,7 @@ pub fn choices(picture: &PictureTable) -> Vec<Command> {
 
 /// Takes the shortcuts of commands out of the input and returns their actions. While `typing`,
 /// takes only those that no text field needs.
-pub fn pressed(input: &mut egui::InputState, state: &AppState, typing: bool) -> Vec<Action> {
+pub(crate) fn pressed(input: &mut egui::InputState, state: &AppState, typing: bool) -> Vec<Action> {
     let mut actions = Vec::new();
     let mut known: Vec<(KeyboardShortcut, Action)> = commands(state)
         .into_iter()
@@ -235,7 +235,7 @@ fn is_function_key(key: Key) -> bool {
 }
 
 /// Returns the text of a shortcut, such as `Ctrl+K`.
-pub fn shortcut_text(shortcut: &KeyboardShortcut) -> String {
+pub(crate) fn shortcut_text(shortcut: &KeyboardShortcut) -> String {
     let mut text = String::new();
     for (held, name) in [
         (shortcut.modifiers.command, "Ctrl+"),

@@ -13,7 +13,7 @@ use flipmap_render::tiles::explorer::Explorer;
 use flipmap_render::tiles::view_target::ViewTarget;
 
 /// Wakes the window from any thread.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
+pub(crate) type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// Returns a waker and what it sends at each call.
 #[cfg(test)]
@@ -72,7 +72,7 @@ pub struct ComputeService {
 
 /// The result of one [`ComputeService::turn`].
 #[derive(Debug, Default, PartialEq, Eq)]
-pub struct ServiceUpdate {
+pub(crate) struct ServiceUpdate {
     /// True if something new can be drawn.
     pub news: bool,
     /// Sentence that says what went wrong and what to do; none without a failure.
@@ -81,7 +81,7 @@ pub struct ServiceUpdate {
 
 impl ComputeService {
     /// Creates the service and begins to open its engine.
-    pub fn new(request: EngineRequest, cache_bytes: usize, wake: Wake) -> Self {
+    pub(crate) fn new(request: EngineRequest, cache_bytes: usize, wake: Wake) -> Self {
         let stage = ServiceState::Failed;
         let explorer = Explorer::new(cache_bytes);
         let mut service = ComputeService {
@@ -179,7 +179,7 @@ impl ComputeService {
     }
 
     /// Returns the name of the engine, its adapter, and why it was chosen, for display.
-    pub fn engine(&self) -> Option<(EngineKind, String, &str)> {
+    pub(crate) fn engine(&self) -> Option<(EngineKind, String, &str)> {
         match &self.stage {
             ServiceState::Ready(engine) => Some((engine.kind(), engine.adapter(), &engine.why)),
             _ => None,
@@ -187,7 +187,7 @@ impl ComputeService {
     }
 
     /// Describes the slow work that precedes a deep view's first pixels, while it lasts.
-    pub fn following(&self) -> Option<String> {
+    pub(crate) fn following(&self) -> Option<String> {
         match &self.stage {
             ServiceState::Ready(engine) => engine.following.words(),
             _ => None,
@@ -195,12 +195,12 @@ impl ComputeService {
     }
 
     /// Returns the message on the slow part of opening an engine, while one is being opened.
-    pub fn opening(&self) -> Option<String> {
+    pub(crate) fn opening(&self) -> Option<String> {
         matches!(self.stage, ServiceState::Opening(_)).then(|| self.said())
     }
 
     /// Returns the message on the comparison of the engines, while it lasts.
-    pub fn comparing(&self) -> Option<String> {
+    pub(crate) fn comparing(&self) -> Option<String> {
         let said = matches!(self.comparison, Comparison::Running(_)).then(|| self.said());
         said.filter(|said| !said.is_empty())
     }
@@ -210,17 +210,17 @@ impl ComputeService {
     }
 
     /// Returns true if work waits that a turn would begin.
-    pub fn is_waiting(&self) -> bool {
+    pub(crate) fn is_waiting(&self) -> bool {
         matches!(self.stage, ServiceState::Ready(_)) && self.explorer.is_waiting()
     }
 
     /// Returns true if there is no engine and none is being opened.
-    pub fn has_failed(&self) -> bool {
+    pub(crate) fn has_failed(&self) -> bool {
         matches!(self.stage, ServiceState::Failed)
     }
 
     /// Cancels the work in flight, because the map will be hidden for a while.
-    pub fn rest(&mut self) {
+    pub(crate) fn rest(&mut self) {
         if let ServiceState::Ready(engine) = &mut self.stage {
             engine.cancel();
             self.explorer.ground();
@@ -229,7 +229,7 @@ impl ComputeService {
 
     /// Sets the view target. While an engine is being opened, the target has the config of the one
     /// before, so that nothing is shown, or told, that answers another question than the view's.
-    pub fn aim(&mut self, target: impl FnOnce(IntegratorConfig) -> ViewTarget) {
+    pub(crate) fn aim(&mut self, target: impl FnOnce(IntegratorConfig) -> ViewTarget) {
         let Some(config) = self.config else { return };
         let target = target(config);
         // Engines that are compared must have the machine for themselves.
@@ -239,7 +239,7 @@ impl ComputeService {
     }
 
     /// Sets the view target and advances the work, without waiting for the engine.
-    pub fn turn(
+    pub(crate) fn turn(
         &mut self,
         target: impl FnOnce(IntegratorConfig) -> ViewTarget,
         deadline: Instant,

@@ -26,7 +26,7 @@ pub struct BackgroundDescent {
 
 /// A message from a descent.
 #[derive(Clone, Debug, PartialEq)]
-pub enum DescentNews {
+pub(crate) enum DescentNews {
     /// The next view.
     To(Box<Scene>),
     /// The end of the descent, with its reason.
@@ -43,7 +43,12 @@ enum DescentError {
 
 impl BackgroundDescent {
     /// Descends from a scene, at first towards a point `towards` widths from its middle.
-    pub fn start(scene: Scene, towards: [f64; 2], engine: EngineRequest, wake: Wake) -> Self {
+    pub(crate) fn start(
+        scene: Scene,
+        towards: [f64; 2],
+        engine: EngineRequest,
+        wake: Wake,
+    ) -> Self {
         // The descent waits for the window: it computes one view ahead and no more.
         let (sender, news) = sync_channel(1);
         let stopped = Arc::new(AtomicBool::new(false));
@@ -64,7 +69,7 @@ impl BackgroundDescent {
     }
 
     /// Returns the next message of the descent, if there is one.
-    pub fn news(&self) -> Option<DescentNews> {
+    pub(crate) fn news(&self) -> Option<DescentNews> {
         self.news.try_recv().ok()
     }
 }

@@ -8,13 +8,13 @@ use rfd::{AsyncFileDialog, FileHandle};
 
 /// An open file dialog.
 #[derive(Debug)]
-pub struct FileDialog {
+pub(crate) struct FileDialog {
     answer: Receiver<DialogAnswer>,
 }
 
 /// The answer of a file dialog.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DialogAnswer {
+pub(crate) enum DialogAnswer {
     /// The file that the user chose.
     File(PathBuf),
     /// No file: the user closed the dialog.
@@ -29,7 +29,7 @@ const TOO_SOON: Duration = Duration::from_millis(300);
 
 impl FileDialog {
     /// Asks where to write a file with the extension `ending`, beginning at `suggested`.
-    pub fn save(ending: &str, suggested: &Path, wake: impl Fn() + Send + 'static) -> Self {
+    pub(crate) fn save(ending: &str, suggested: &Path, wake: impl Fn() + Send + 'static) -> Self {
         let mut dialog = AsyncFileDialog::new().add_filter(ending, &[ending]);
         if let Some(name) = suggested.file_name().and_then(|name| name.to_str()) {
             dialog = dialog.set_file_name(name);
@@ -41,7 +41,7 @@ impl FileDialog {
     }
 
     /// Asks for a picture written by this program or for a scene.
-    pub fn open(wake: impl Fn() + Send + 'static) -> Self {
+    pub(crate) fn open(wake: impl Fn() + Send + 'static) -> Self {
         let dialog = AsyncFileDialog::new().add_filter("pictures and scenes", &["png", "toml"]);
         Self::wait_for(dialog.pick_file(), wake)
     }
@@ -62,7 +62,7 @@ impl FileDialog {
     }
 
     /// Returns the answer once there is one.
-    pub fn poll(&self) -> Option<DialogAnswer> {
+    pub(crate) fn poll(&self) -> Option<DialogAnswer> {
         match self.answer.try_recv() {
             Ok(answer) => Some(answer),
             Err(TryRecvError::Empty) => None,

@@ -30,7 +30,7 @@ pub enum HostError {
 }
 
 /// A graphics device and egui, which together draw a window.
-pub struct EguiHost {
+pub(crate) struct EguiHost {
     /// Context of the interface.
     pub ctx: Context,
     input: egui_winit::State,
@@ -46,7 +46,7 @@ pub struct EguiHost {
 }
 
 /// The parts of a host that outlive the loss of its device.
-pub struct Remains {
+pub(crate) struct Remains {
     /// State that egui remembers.
     memory: egui::Memory,
     /// Connection to screen readers: a window can have only one during its life.
@@ -67,7 +67,7 @@ impl Remains {
 impl EguiHost {
     /// Opens a device for a window that is not shown yet, or for one whose previous host left
     /// `remains`.
-    pub fn new(
+    pub(crate) fn new(
         event_loop: &ActiveEventLoop,
         window: &Arc<Window>,
         proxy: &EventLoopProxy<Woken>,
@@ -116,7 +116,7 @@ impl EguiHost {
     }
 
     /// Returns true if a graphics card draws, and not the processor.
-    pub fn is_quick(&self) -> bool {
+    pub(crate) fn is_quick(&self) -> bool {
         let state = self.painter.render_state();
         state.is_some_and(|state| !is_software(&state.adapter))
     }
@@ -143,24 +143,24 @@ impl EguiHost {
     }
 
     /// Returns true if the device can no longer draw.
-    pub fn is_lost(&self) -> bool {
+    pub(crate) fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
     }
 
     /// Takes the first complaint since the last call, such as an error of the driver.
-    pub fn complaint(&self) -> Option<String> {
+    pub(crate) fn complaint(&self) -> Option<String> {
         self.complaint.lock().ok().and_then(|mut first| first.take())
     }
 
     /// Destroys the device, as a driver reset does.
-    pub fn lose_device(&self) {
+    pub(crate) fn lose_device(&self) {
         if let Some(state) = self.painter.render_state() {
             state.device.destroy();
         }
     }
 
     /// Drops the device and returns what the next host needs.
-    pub fn into_remains(self) -> Remains {
+    pub(crate) fn into_remains(self) -> Remains {
         Remains {
             memory: self.ctx.memory(Clone::clone),
             screen_reader: self.screen_reader,
@@ -169,7 +169,7 @@ impl EguiHost {
     }
 
     /// Handles an event. Returns true if something may have to be redrawn.
-    pub fn on_event(&mut self, event: &winit::event::WindowEvent) -> bool {
+    pub(crate) fn on_event(&mut self, event: &winit::event::WindowEvent) -> bool {
         if let winit::event::WindowEvent::Resized(size) = event {
             self.resize(size.width, size.height);
         }
@@ -198,7 +198,7 @@ impl EguiHost {
     }
 
     /// Handles a request of a screen reader.
-    pub fn on_accessibility(&mut self, event: accesskit_event::Event) {
+    pub(crate) fn on_accessibility(&mut self, event: accesskit_event::Event) {
         match event {
             accesskit_event::Event::Wanted => self.tell_screen_reader(true),
             accesskit_event::Event::Action(request) => {
@@ -241,7 +241,11 @@ impl EguiHost {
 
     /// Runs the interface once and presents it. Returns the delay after which it wants to be shown
     /// again.
-    pub fn frame(&mut self, event_loop: &ActiveEventLoop, show: impl FnMut(&mut Ui)) -> Duration {
+    pub(crate) fn frame(
+        &mut self,
+        event_loop: &ActiveEventLoop,
+        show: impl FnMut(&mut Ui),
+    ) -> Duration {
         self.ask_device();
         if self.is_lost() {
             return Duration::ZERO;
@@ -278,4 +282,4 @@ fn configuration(display: OwnedDisplayHandle) -> WgpuConfiguration {
     }
 }
 
-pub use super::wake::accesskit_event;
+pub(crate) use super::wake::accesskit_event;

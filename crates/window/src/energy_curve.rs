@@ -48,7 +48,7 @@ impl EnergyDepth {
 }
 
 /// Returns the energy curve as short lines, in points from the middle of the canvas.
-pub fn energy_curve(screen: &Screen, build: &Build, rule: Rule) -> Vec<[DVec2; 2]> {
+pub(crate) fn energy_curve(screen: &Screen, build: &Build, rule: Rule) -> Vec<[DVec2; 2]> {
     let depth = EnergyDepth::new(build, rule, screen.camera.center);
     let columns = (screen.size.x / CURVE_NODE).ceil() as usize;
     let rows = (screen.size.y / CURVE_NODE).ceil() as usize;
@@ -130,7 +130,7 @@ fn zero_between([mut a, mut b]: [Corner; 2], depth: &impl Fn(DVec2) -> f64) -> D
 
 /// Draws the energy curve in a colour, with a rim of the opposite lightness, so that it is visible on
 /// every colour.
-pub fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]], colour: Rgb) {
+pub(crate) fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]], colour: Rgb) {
     let [r, g, b] = colour;
     let is_dark = colour.iter().all(|channel| *channel < 0x80);
     let rim = if is_dark { Color32::from_white_alpha(90) } else { Color32::from_black_alpha(90) };

@@ -99,7 +99,7 @@ impl Export {
     }
 
     /// Starts a film; calls `wake` whenever its stage has changed.
-    pub fn start_film(
+    pub(crate) fn start_film(
         request: FilmRequest,
         engine_request: EngineRequest,
         wake: impl Fn() + Send + Sync + 'static,
@@ -143,28 +143,28 @@ impl Export {
     }
 
     /// Returns the path of the file.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Returns true if it is a film.
-    pub fn is_film(&self) -> bool {
+    pub(crate) fn is_film(&self) -> bool {
         self.is_film
     }
 
     /// Returns the current stage.
-    pub fn stage(&self) -> ExportStage {
+    pub(crate) fn stage(&self) -> ExportStage {
         self.shared.stage().clone()
     }
 
     /// Returns true until the export has ended if a path leads to its file.
-    pub fn will_write(&self, path: &Path) -> bool {
+    pub(crate) fn will_write(&self, path: &Path) -> bool {
         matches!(self.stage(), ExportStage::Starting(_) | ExportStage::Running { .. })
             && is_one_file(&self.path, path)
     }
 
     /// Asks the export to stop, which takes a moment.
-    pub fn cancel(&self) {
+    pub(crate) fn cancel(&self) {
         self.shared.cancelled.store(true, Ordering::Relaxed);
     }
 

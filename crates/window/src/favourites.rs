@@ -10,7 +10,7 @@ pub(super) const DIGITS: std::ops::RangeInclusive<u8> = 1..=9;
 impl Settings {
     /// Keeps the colours of a picture under a digit; `own_times` is true if its times were chosen, and
     /// not taken from the view.
-    pub fn keep_colours(&mut self, digit: u8, picture: &PictureTable, own_times: bool) {
+    pub(crate) fn keep_colours(&mut self, digit: u8, picture: &PictureTable, own_times: bool) {
         let plain = PictureTable::default();
         let mut kept = PictureTable {
             curve: plain.curve,
@@ -29,7 +29,11 @@ impl Settings {
     }
 
     /// Returns a picture in the colours kept under a digit, or a sentence that says why there are none.
-    pub fn kept_colours(&self, digit: u8, picture: &PictureTable) -> Result<PictureTable, String> {
+    pub(crate) fn kept_colours(
+        &self,
+        digit: u8,
+        picture: &PictureTable,
+    ) -> Result<PictureTable, String> {
         let table = self.favourites.get(&digit.to_string()).ok_or_else(|| {
             format!("No colours are kept under {digit}; Shift+{digit} keeps those of now.")
         })?;

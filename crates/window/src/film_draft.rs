@@ -48,7 +48,7 @@ impl FilmDraft {
     }
 
     /// Takes the views of a descent as keys, which the camera passes without stopping.
-    pub fn take_descent(&mut self, documents: impl Iterator<Item = Document>) {
+    pub(crate) fn take_descent(&mut self, documents: impl Iterator<Item = Document>) {
         self.edit(|keys| {
             keys.keys.clear();
             for document in documents {
@@ -59,7 +59,7 @@ impl FilmDraft {
     }
 
     /// Removes a key; the later ones keep their times from key to key.
-    pub fn remove(&mut self, place: usize) {
+    pub(crate) fn remove(&mut self, place: usize) {
         if place >= self.keys.len() {
             return;
         }
@@ -71,7 +71,7 @@ impl FilmDraft {
     }
 
     /// Sets the time in s from the key before to this one; the later ones move along.
-    pub fn set_step(&mut self, place: usize, secs: f64) {
+    pub(crate) fn set_step(&mut self, place: usize, secs: f64) {
         let mut steps = self.steps_secs();
         if let Some(step) = steps.get_mut(place) {
             *step = secs.max(LEAST_STEP_SECS);
@@ -80,7 +80,7 @@ impl FilmDraft {
     }
 
     /// Returns the time in s from the key before to each one; 0 s to the first.
-    pub fn steps_secs(&self) -> Vec<f64> {
+    pub(crate) fn steps_secs(&self) -> Vec<f64> {
         let mut before = self.keys.first().map_or(0.0, |first| first.secs);
         let mut step = |secs| secs - std::mem::replace(&mut before, secs);
         self.keys.iter().map(|key| step(key.secs)).collect()
@@ -95,12 +95,12 @@ impl FilmDraft {
     }
 
     /// Returns the length of the film in s.
-    pub fn secs(&self) -> f64 {
+    pub(crate) fn secs(&self) -> f64 {
         self.steps_secs().iter().sum()
     }
 
     /// Returns the checked film; its keys have the colours and the run settings of the first.
-    pub fn film(&self) -> Result<Film, FilmError> {
+    pub(crate) fn film(&self) -> Result<Film, FilmError> {
         let mut keys = self.keys.clone();
         if let Some(first) = self.keys.first() {
             for key in &mut keys {
@@ -116,7 +116,7 @@ impl FilmDraft {
     }
 
     /// Returns the reason why the film cannot be shot, as a sentence; none if it can.
-    pub fn problem(&self) -> Option<String> {
+    pub(crate) fn problem(&self) -> Option<String> {
         match self.film() {
             Err(error) => Some(format!("{error}.")),
             Ok(_) if self.path.trim().is_empty() => Some("Name the film.".to_string()),
@@ -125,7 +125,7 @@ impl FilmDraft {
     }
 
     /// Returns the scene that the preview shows now; none if the keys do not make a film.
-    pub fn scene(&self) -> Option<Scene> {
+    pub(crate) fn scene(&self) -> Option<Scene> {
         let film = self.film().ok()?;
         let shot = film.shot_at(self.keys[0].secs + self.clock.time_secs());
         // With the budget of each moment, the map of a moving camera would begin again at each.
@@ -134,7 +134,7 @@ impl FilmDraft {
     }
 
     /// Reads keys from their file, or says in a sentence why it left the draft as it was.
-    pub fn open_keys(&mut self) -> Result<(), String> {
+    pub(crate) fn open_keys(&mut self) -> Result<(), String> {
         let path = Path::new(&self.keys_path);
         let refuse = |why: &dyn std::fmt::Display| {
             format!("The film was not changed: {} {why}.", path.display())
@@ -147,14 +147,14 @@ impl FilmDraft {
     }
 
     /// Writes the keys to their file, or says in a sentence why it was left as it was.
-    pub fn save_keys(&self) -> Result<(), String> {
+    pub(crate) fn save_keys(&self) -> Result<(), String> {
         let file = Destination::from(Path::new(&self.keys_path));
         SafeFile::write_whole(&file, self.text().as_bytes())
             .map_err(|error| format!("The keys were not saved: cannot write {file}: {error}."))
     }
 
     /// Returns the keys as the text of their file.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         Keys { keys: self.keys.clone(), ..Keys::default() }.text()
     }
 

@@ -30,11 +30,11 @@ pub struct FilmOrder<'a> {
 
 /// The command that makes a film and reports its progress as lines of JSON on standard error. Given by the
 /// command line, which alone knows its options.
-pub type FilmCommand = fn(&FilmOrder) -> std::io::Result<Command>;
+pub(crate) type FilmCommand = fn(&FilmOrder) -> std::io::Result<Command>;
 
 /// A film that the window makes in the background.
 #[derive(Clone, Debug)]
-pub struct FilmRequest {
+pub(crate) struct FilmRequest {
     /// Command that makes it.
     pub command: FilmCommand,
     /// Keys as the text of their file.
@@ -49,7 +49,7 @@ pub struct FilmRequest {
 
 /// A reason why there is no film.
 #[derive(Debug, thiserror::Error)]
-pub enum FilmRunError {
+pub(crate) enum FilmRunError {
     /// The process could not be started or watched.
     #[error("the film could not be begun: {0}")]
     Process(#[from] std::io::Error),

@@ -6,7 +6,7 @@ use super::action::{Action, Look};
 
 /// Pointer input on the canvas since the last frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Gesture {
+pub(crate) struct Gesture {
     /// Position of the pointer, if it is over the canvas.
     pub pointer: Option<DVec2>,
     /// Distance dragged with the primary button.
@@ -36,7 +36,7 @@ const NOTCHES_FOR_TWICE: f64 = 3.0;
 
 impl Gesture {
     /// Returns the actions of the gesture; `drawing` is the rectangle being drawn so far.
-    pub fn actions(&self, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
+    pub(crate) fn actions(&self, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
         let mut actions = vec![Action::Hover(self.pointer)];
         let about = self.pointer.unwrap_or(DVec2::ZERO);
         let zoom = |factor| Action::Look(Look::Zoom { factor, about });

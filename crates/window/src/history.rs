@@ -14,12 +14,12 @@ const MOST: usize = 200;
 
 impl History {
     /// Creates a history that begins at a view.
-    pub fn new(first: Camera) -> Self {
+    pub(crate) fn new(first: Camera) -> Self {
         History { views: vec![first], current: 0 }
     }
 
     /// Records the view at which the camera came to rest; a new one erases the views ahead.
-    pub fn visit(&mut self, camera: Camera) {
+    pub(crate) fn visit(&mut self, camera: Camera) {
         if self.views[self.current] == camera {
             return;
         }
@@ -32,30 +32,30 @@ impl History {
     }
 
     /// Replaces one view by another wherever it was visited.
-    pub fn replace(&mut self, view: Camera, by: Camera) {
+    pub(crate) fn replace(&mut self, view: Camera, by: Camera) {
         self.views.iter_mut().filter(|visited| **visited == view).for_each(|visited| *visited = by);
     }
 
     /// Goes back to the previous view and returns it, if there is one.
-    pub fn back(&mut self) -> Option<Camera> {
+    pub(crate) fn back(&mut self) -> Option<Camera> {
         self.current = self.current.checked_sub(1)?;
         Some(self.views[self.current])
     }
 
     /// Goes forward to the view left by going back and returns it, if there is one.
-    pub fn forward(&mut self) -> Option<Camera> {
+    pub(crate) fn forward(&mut self) -> Option<Camera> {
         let view = self.views.get(self.current + 1)?;
         self.current += 1;
         Some(*view)
     }
 
     /// Returns true if there is a previous view.
-    pub fn has_back(&self) -> bool {
+    pub(crate) fn has_back(&self) -> bool {
         self.current > 0
     }
 
     /// Returns true if there is a view left by going back.
-    pub fn has_forward(&self) -> bool {
+    pub(crate) fn has_forward(&self) -> bool {
         self.current + 1 < self.views.len()
     }
 }

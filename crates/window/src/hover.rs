@@ -35,7 +35,7 @@ pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
 
 /// Returns the answer that the map shows for the sample at a place; none while only coarser samples
 /// are known. Flips after `until_secs`, if it is given, are not shown.
-pub fn answer_at(
+pub(crate) fn answer_at(
     explorer: &mut Explorer,
     angle: [Theta; 2],
     level: u32,
@@ -57,7 +57,7 @@ pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Optio
 }
 
 /// Returns the same, or the known answer of a sample near it in the cell.
-pub fn known_near(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Option<Answer> {
+pub(crate) fn known_near(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Option<Answer> {
     answer_of(explorer, cell, angle, |stride, place| Some(stride.nearest(place, SIDE)))
 }
 
@@ -80,7 +80,7 @@ fn answer_of(
 
 impl Answer {
     /// The outcome of a question about a time.
-    pub fn outcome(&self) -> Outcome {
+    pub(crate) fn outcome(&self) -> Outcome {
         match self.status {
             Status::Flipped => Outcome::flipped(self.values[0]),
             other => Outcome::without_time(other),

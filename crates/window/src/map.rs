@@ -19,7 +19,7 @@ use flipmap_scene::palette::Ground;
 
 /// The sample of the map under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hovered {
+pub(crate) struct Hovered {
     /// Place of the sample on the lattice.
     pub place: [Theta; 2],
     /// Known answer; none while only coarser samples are known.
@@ -28,7 +28,7 @@ pub struct Hovered {
 
 /// Shows the map with the energy curve of a pendulum and a rule, and returns the user's actions on
 /// the map.
-pub fn map(
+pub(crate) fn map(
     ui: &mut Ui,
     state: &AppState,
     mut frame: MapFrame,

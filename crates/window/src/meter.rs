@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 /// Recent readings of a count.
 #[derive(Clone, Debug, Default)]
-pub struct Meter {
+pub(crate) struct Meter {
     readings: VecDeque<(Instant, u64)>,
 }
 
@@ -14,7 +14,7 @@ const WINDOW: Duration = Duration::from_millis(1500);
 
 impl Meter {
     /// Takes a reading of a count that only grows.
-    pub fn read(&mut self, now: Instant, count: u64) {
+    pub(crate) fn read(&mut self, now: Instant, count: u64) {
         if self.readings.back().is_none_or(|(_, last)| *last != count) {
             self.readings.push_back((now, count));
         }
@@ -24,7 +24,7 @@ impl Meter {
     }
 
     /// Returns the growth of the count per second; 0 with fewer than two readings.
-    pub fn rate(&self) -> f64 {
+    pub(crate) fn rate(&self) -> f64 {
         match (self.readings.front(), self.readings.back()) {
             (Some((from, first)), Some((to, last))) if to > from => {
                 (last - first) as f64 / to.duration_since(*from).as_secs_f64()

@@ -224,7 +224,7 @@ impl AppModel {
     }
 
     /// Forgets what was on the graphics card, which is gone, so that all is uploaded again.
-    pub fn forget_card(&mut self) {
+    pub(crate) fn forget_card(&mut self) {
         self.map_renderer = MapRenderer::default();
         self.thumbnails = Thumbnails::default();
     }
@@ -364,7 +364,7 @@ impl AppModel {
     }
 
     /// Saves the settings now and then too, so that a crash costs little.
-    pub fn save_sometimes(&mut self) {
+    pub(crate) fn save_sometimes(&mut self) {
         if self.saved.at.elapsed() > SAVE_EVERY {
             self.save();
         }

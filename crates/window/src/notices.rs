@@ -35,25 +35,25 @@ impl Notice {
 
 impl Notices {
     /// Shows something that is good to know.
-    pub fn tell(&mut self, text: impl Into<String>) {
+    pub(crate) fn tell(&mut self, text: impl Into<String>) {
         self.push(text.into(), false);
     }
 
     /// Shows and logs what went wrong and what to do.
-    pub fn fail(&mut self, text: impl Into<String>) {
+    pub(crate) fn fail(&mut self, text: impl Into<String>) {
         let text = text.into();
         log::warn!("{text}");
         self.push(text, true);
     }
 
     /// Removes a notice.
-    pub fn dismiss(&mut self, id: u64) {
+    pub(crate) fn dismiss(&mut self, id: u64) {
         self.list.retain(|notice| notice.id != id);
     }
 
     /// Advances to a moment of the window's clock, in s: notices that are no failures go when their
     /// time is over.
-    pub fn advance(&mut self, now_secs: f64) {
+    pub(crate) fn advance(&mut self, now_secs: f64) {
         for notice in &mut self.list {
             notice.shown_secs.get_or_insert(now_secs);
         }
@@ -61,7 +61,7 @@ impl Notices {
     }
 
     /// Moment on the window's clock, in s, at which the next notice goes; none if none does.
-    pub fn next_end_secs(&self) -> Option<f64> {
+    pub(crate) fn next_end_secs(&self) -> Option<f64> {
         self.list.iter().filter_map(Notice::ends_secs).min_by(f64::total_cmp)
     }
 

@@ -13,14 +13,14 @@ use flipmap_scene::lattice::side_rad;
 const POINTS_APART: f64 = 130.0;
 
 /// Returns the position in the canvas' rectangle of a point relative to its middle.
-pub fn position(rect: Rect, point: DVec2) -> Pos2 {
+pub(crate) fn position(rect: Rect, point: DVec2) -> Pos2 {
     rect.center() + egui::vec2(point.x as f32, point.y as f32)
 }
 
 /// A line of the grid: the angle it marks, its value as people write it, and its distance from the
 /// centre in rad.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GridLine {
+pub(crate) struct GridLine {
     /// Index of the angle: 0 for θ1, 1 for θ2.
     pub axis: usize,
     /// Value of the angle, for example `π/2`.
@@ -90,7 +90,7 @@ impl Spacing {
 }
 
 /// Returns lines at round fractions of π, as many as are easy to tell apart.
-pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
+pub(crate) fn grid_lines(screen: &Screen) -> Vec<GridLine> {
     let region = screen.region();
     let spacing = Spacing::at_least(2.0 * region.half_rad[0] / (screen.size.x / POINTS_APART));
     let step = spacing.step();
@@ -113,7 +113,7 @@ pub fn grid_lines(screen: &Screen) -> Vec<GridLine> {
 
 /// Returns lines at round numbers of a quantity that is no angle, as many as are easy to tell
 /// apart; their offsets are in lattice radians.
-pub fn round_lines(screen: &Screen, axis: usize) -> Vec<GridLine> {
+pub(crate) fn round_lines(screen: &Screen, axis: usize) -> Vec<GridLine> {
     let (region, units) = (screen.region(), screen.camera.reach.units());
     let (center, half) = (region.center[axis].to_f64() * units, region.half_rad[axis] * units);
     let least = 2.0 * region.half_rad[0] * units / (screen.size.x / POINTS_APART);
@@ -133,7 +133,7 @@ pub fn round_lines(screen: &Screen, axis: usize) -> Vec<GridLine> {
 }
 
 /// Writes what the axes are in two corners of the map.
-pub fn draw_axes(painter: &Painter, rect: Rect, axes: [Axis; 2]) {
+pub(crate) fn draw_axes(painter: &Painter, rect: Rect, axes: [Axis; 2]) {
     let [across, up] = axes.map(|axis| format!("{}, {}", axis.symbol(), axis.unit()));
     let inset = egui::vec2(6.0, 6.0);
     label(painter, rect.right_bottom() - inset, Align2::RIGHT_BOTTOM, &format!("{across} →"));
@@ -158,7 +158,7 @@ fn binary_part_of_pi(index: i64, power: i32) -> String {
 }
 
 /// Draws the grid with its names along the left and lower edges.
-pub fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen, axes: [Axis; 2]) {
+pub(crate) fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen, axes: [Axis; 2]) {
     let region = screen.region();
     let stroke = Stroke::new(1.0, Color32::from_black_alpha(110));
     let rim = Stroke::new(3.0, Color32::from_white_alpha(50));
@@ -190,7 +190,7 @@ pub fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen, axes: [Axis; 2]
 }
 
 /// Draws text on the map, readable on every colour and moved as far as needed to show it whole.
-pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
+pub(crate) fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
     let galley = painter.layout_no_wrap(text.to_string(), FontId::monospace(11.0), Color32::WHITE);
     let rect = align.anchor_size(at, galley.size()).expand(2.0);
     let within = painter.clip_rect();
@@ -202,7 +202,7 @@ pub fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
 }
 
 /// Draws the borders of the tiles in view.
-pub fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
+pub(crate) fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
     let level = screen.level();
     let half = side_rad(level) / 2.0;
     for placed in screen.region().cells(level, MOST_CELLS) {
@@ -216,7 +216,7 @@ pub fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
 
 /// Draws the frame of a picture of this size, which is as wide as the map, and darkens what is beyond
 /// it.
-pub fn draw_export_frame(painter: &Painter, rect: Rect, size: [u32; 2]) {
+pub(crate) fn draw_export_frame(painter: &Painter, rect: Rect, size: [u32; 2]) {
     let frame = export_frame(rect, size);
     let dark = Color32::from_black_alpha(120);
     let above = Rect::from_min_max(rect.min, pos2(rect.right(), frame.top()));

@@ -25,7 +25,7 @@ impl PinStart {
 
     /// The start of a pixel of a scene's plane at a place of its lattice, with the neighbour's
     /// place; none where a section has no pendulum.
-    pub fn on_plane(scene: &Scene, reach: Reach, places: [[Theta; 2]; 2]) -> Option<Self> {
+    pub(crate) fn on_plane(scene: &Scene, reach: Reach, places: [[Theta; 2]; 2]) -> Option<Self> {
         if scene.plane.is_at_rest() {
             return Some(PinStart::at_rest(places));
         }

@@ -9,7 +9,7 @@ use flipmap_pendulum::Outcome;
 use flipmap_scene::{Build, Scene};
 
 /// Largest number of pins at once.
-pub const MOST_PINS: usize = 8;
+pub(crate) const MOST_PINS: usize = 8;
 
 /// Okabe and Ito's colours, which colour-blind people can tell apart, with grey for their black.
 const COLOURS: [Color32; MOST_PINS] = [
@@ -33,12 +33,12 @@ pub struct Badge(usize);
 
 impl Badge {
     /// Returns the letter, A to H.
-    pub fn letter(self) -> char {
+    pub(crate) fn letter(self) -> char {
         char::from(b'A' + self.0 as u8)
     }
 
     /// Returns the colour that goes with the letter.
-    pub fn colour(self) -> Color32 {
+    pub(crate) fn colour(self) -> Color32 {
         COLOURS[self.0]
     }
 }
@@ -126,7 +126,7 @@ impl Pins {
     }
 
     /// Returns the pendulum as it is built.
-    pub fn build(&self) -> &Build {
+    pub(crate) fn build(&self) -> &Build {
         &self.build
     }
 
@@ -156,7 +156,7 @@ impl Pins {
     }
 
     /// Returns true if the pendulums are flying, so that the window has to be redrawn.
-    pub fn is_playing(&self) -> bool {
+    pub(crate) fn is_playing(&self) -> bool {
         !self.list.is_empty() && self.clock.is_playing()
     }
 
@@ -236,7 +236,7 @@ impl Pins {
 
     /// Follows a change of the scene: if the pendulum or the question has changed, relaunches all
     /// flights and forgets the outcomes that the map showed for the pins.
-    pub fn relaunch(&mut self, scene: &Scene, wake: impl Fn() + Clone + Send + 'static) {
+    pub(crate) fn relaunch(&mut self, scene: &Scene, wake: impl Fn() + Clone + Send + 'static) {
         let question = Question::from(scene);
         self.build = scene.build;
         if question == self.question {
@@ -251,7 +251,7 @@ impl Pins {
     }
 
     /// Takes all pins off the map, because another plane is shown; they keep flying.
-    pub fn leave_plane(&mut self) {
+    pub(crate) fn leave_plane(&mut self) {
         for pin in &mut self.list {
             pin.start.place = None;
         }

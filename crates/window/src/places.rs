@@ -82,7 +82,7 @@ impl Places {
     }
 
     /// Returns a name that no bookmark has yet.
-    pub fn free_name(&self) -> String {
+    pub(crate) fn free_name(&self) -> String {
         let names = (1..).map(|k| format!("place {k}"));
         names.into_iter().find(|name| self.find(name).is_none()).expect("some number is free")
     }

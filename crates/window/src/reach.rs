@@ -17,28 +17,28 @@ impl Reach {
     pub const TORUS: Reach = Reach { doublings: 0, repeats: true };
 
     /// The reach of a scene's plane.
-    pub fn of(scene: &Scene) -> Self {
+    pub(crate) fn of(scene: &Scene) -> Self {
         let doublings = scene.plane.lattice_doublings(&scene.build);
         Reach { doublings, repeats: scene.plane.is_torus() }
     }
 
     /// Number of units of the axes in a lattice radian.
-    pub fn units(self) -> f64 {
+    pub(crate) fn units(self) -> f64 {
         2f64.powi(self.doublings as i32)
     }
 
     /// The place of coordinates on the lattice, in lattice radians.
-    pub fn place(self, coordinates: [Theta; 2]) -> [Theta; 2] {
+    pub(crate) fn place(self, coordinates: [Theta; 2]) -> [Theta; 2] {
         self.inside(coordinates.map(|x| x.halved(self.doublings)))
     }
 
     /// The coordinates of a place, in the units of the axes.
-    pub fn coordinates(self, place: [Theta; 2]) -> [Theta; 2] {
+    pub(crate) fn coordinates(self, place: [Theta; 2]) -> [Theta; 2] {
         place.map(|x| x.doubled(self.doublings))
     }
 
     /// A place within the square: round the torus, or at the nearest side.
-    pub fn inside(self, place: [Theta; 2]) -> [Theta; 2] {
+    pub(crate) fn inside(self, place: [Theta; 2]) -> [Theta; 2] {
         let pi = Theta::pi();
         let bounded = |x: Theta| match x {
             _ if x > pi => pi,
@@ -49,7 +49,7 @@ impl Reach {
     }
 
     /// The difference of two places, the short way round a torus, in lattice radians.
-    pub fn difference(self, to: [Theta; 2], from: [Theta; 2]) -> [f64; 2] {
+    pub(crate) fn difference(self, to: [Theta; 2], from: [Theta; 2]) -> [f64; 2] {
         [0, 1].map(|i| {
             let by = to[i] - from[i];
             if self.repeats { by.wrapped().to_f64() } else { by.to_f64() }

@@ -8,7 +8,7 @@ use super::state::AppState;
 impl AppState {
     /// Sets the size of the canvas in points; the home view, wherever it is shown, on the way or in
     /// the history, becomes that of the new size.
-    pub fn resize(&mut self, canvas: DVec2, pixels_per_point: f64) {
+    pub(crate) fn resize(&mut self, canvas: DVec2, pixels_per_point: f64) {
         self.pixels_per_point = pixels_per_point;
         if self.canvas == canvas {
             return;

@@ -48,14 +48,14 @@ pub enum EdgeSamples {
 
 impl EdgeSamples {
     /// All choices with their names.
-    pub const ALL: [(EdgeSamples, &str); 3] = [
+    pub(crate) const ALL: [(EdgeSamples, &str); 3] = [
         (EdgeSamples::One, "1 sample"),
         (EdgeSamples::Four, "4 samples"),
         (EdgeSamples::Sixteen, "16 samples"),
     ];
 
     /// Number of finer levels that have so many samples.
-    pub fn refinements(self) -> u32 {
+    pub(crate) fn refinements(self) -> u32 {
         self as u32
     }
 }
@@ -147,14 +147,14 @@ impl Default for Settings {
 
 impl Settings {
     /// Largest number of recent files kept.
-    pub const MOST_RECENT: usize = 10;
+    pub(crate) const MOST_RECENT: usize = 10;
     /// Range of the scale of the interface.
-    pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
+    pub(crate) const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
     /// Range of the size of the cache in MiB.
     pub const CACHE_MIB: std::ops::RangeInclusive<u32> = 64..=65536;
 
     /// Puts a file first among the recent ones. Ignores a path that is not valid UTF-8.
-    pub fn remember(&mut self, path: &Path) {
+    pub(crate) fn remember(&mut self, path: &Path) {
         let Some(path) = path.to_str() else { return };
         self.recent.retain(|other| other != path);
         self.recent.insert(0, path.to_string());
@@ -162,7 +162,7 @@ impl Settings {
     }
 
     /// Returns the nearest scale of the interface that is in range.
-    pub fn within_ui_scales(scale: f32) -> f32 {
+    pub(crate) fn within_ui_scales(scale: f32) -> f32 {
         scale.clamp(*Self::UI_SCALES.start(), *Self::UI_SCALES.end())
     }
 
@@ -223,7 +223,7 @@ impl Store {
     }
 
     /// Returns true if settings are kept.
-    pub fn keeps(&self) -> bool {
+    pub(crate) fn keeps(&self) -> bool {
         self.path.is_some()
     }
 

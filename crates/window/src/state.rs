@@ -149,7 +149,7 @@ pub struct AppState {
 
 impl AppState {
     /// Creates the state of a document with its resolved settings.
-    pub fn new(document: &Document, spec: RunSpec) -> Self {
+    pub(crate) fn new(document: &Document, spec: RunSpec) -> Self {
         let scene = document.scene();
         let canvas = DVec2::new(1280.0, 800.0);
         let camera = Camera::from_view(&scene.view.fitted(canvas.to_array()), Reach::of(&scene));
@@ -214,12 +214,12 @@ impl AppState {
     }
 
     /// Returns the canvas as it will look at the end of a move.
-    pub fn aimed_screen(&self) -> Screen {
+    pub(crate) fn aimed_screen(&self) -> Screen {
         self.through(self.target())
     }
 
     /// Returns the canvas as it looks now.
-    pub fn screen(&self) -> Screen {
+    pub(crate) fn screen(&self) -> Screen {
         self.through(self.camera)
     }
 

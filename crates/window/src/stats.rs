@@ -13,7 +13,7 @@ use flipmap_scene::location;
 
 /// Measurements since the window was opened.
 #[derive(Debug)]
-pub struct Stats {
+pub(crate) struct Stats {
     begun: Instant,
     window_secs: Option<f64>,
     first_coarse_secs: Option<f64>,
@@ -57,7 +57,7 @@ impl Default for Stats {
 
 /// Quantiles of many numbers.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Quantiles {
+pub(crate) struct Quantiles {
     /// Number of values.
     pub count: usize,
     /// Median: half of the values are at most this.
@@ -70,7 +70,7 @@ pub struct Quantiles {
 
 /// The state of a window: what it shows and holds.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Holdings {
+pub(crate) struct Holdings {
     /// Location of the view, as a line that can be pasted.
     pub location: String,
     /// Width and height of the map in physical pixels; it begins at the window's upper left corner.
@@ -103,7 +103,7 @@ pub struct Holdings {
 
 /// All measurements, in the form in which they are written.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct StatsReport {
+pub(crate) struct StatsReport {
     /// Current state of the window.
     #[serde(flatten)]
     pub holdings: Holdings,
@@ -134,7 +134,7 @@ pub struct StatsReport {
 
 impl Holdings {
     /// Returns the state of the window of a model.
-    pub fn of(model: &AppModel) -> Self {
+    pub(crate) fn of(model: &AppModel) -> Self {
         let (state, explorer) = (&model.state, &model.compute.explorer);
         let (progress, counts) = (explorer.progress(), explorer.counts());
         Holdings {
@@ -158,17 +158,17 @@ impl Holdings {
 
 impl Stats {
     /// Creates empty measurements that count from the start of the program.
-    pub fn since(begun: Instant) -> Self {
+    pub(crate) fn since(begun: Instant) -> Self {
         Stats { begun, ..Stats::default() }
     }
 
     /// Records an input that came at `earliest` or later.
-    pub fn input(&mut self, earliest: Instant) {
+    pub(crate) fn input(&mut self, earliest: Instant) {
         self.waiting.push(earliest);
     }
 
     /// Records a presented frame that began at `began` and shows this progress.
-    pub fn frame(&mut self, began: Instant, progress: &ViewProgress, dragging: bool) {
+    pub(crate) fn frame(&mut self, began: Instant, progress: &ViewProgress, dragging: bool) {
         let now = Instant::now();
         let secs = (now - self.begun).as_secs_f64();
         self.window_secs.get_or_insert(secs);
@@ -186,12 +186,12 @@ impl Stats {
     }
 
     /// Records whether that frame showed a figure of the laboratory.
-    pub fn figure(&mut self, shown: bool) {
+    pub(crate) fn figure(&mut self, shown: bool) {
         self.figure.frame(Instant::now(), shown);
     }
 
     /// Returns the measurements so far.
-    pub fn report(&self, holdings: Holdings) -> StatsReport {
+    pub(crate) fn report(&self, holdings: Holdings) -> StatsReport {
         StatsReport {
             holdings,
             window_secs: self.window_secs,
@@ -225,7 +225,7 @@ impl Stretch {
 
 impl StatsReport {
     /// Returns the report as lines of text for people.
-    pub fn lines(&self) -> Vec<String> {
+    pub(crate) fn lines(&self) -> Vec<String> {
         let secs = |name: &str, secs: Option<f64>| secs.map(|secs| format!("{name} {secs:.2} s"));
         let ms = |name: &str, all: Option<Quantiles>| {
             all.map(|q| format!("{name} {:.0} ms, p95 {:.0}, most {:.0}", q.p50, q.p95, q.max))
@@ -248,7 +248,7 @@ impl StatsReport {
     }
 
     /// Writes the report as JSON.
-    pub fn write(&self, path: &Path) -> std::io::Result<()> {
+    pub(crate) fn write(&self, path: &Path) -> std::io::Result<()> {
         let mut file = SafeFile::create(&Destination::from(path))?;
         serde_json::to_writer_pretty(&mut file, self).map_err(std::io::Error::other)?;
         file.finish()

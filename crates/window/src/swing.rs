@@ -16,7 +16,7 @@ const STEP_SECS: f64 = 1.0 / 240.0;
 
 /// The pendulum at the pointer, if there is one.
 #[derive(Debug, Default)]
-pub struct HoverSwing {
+pub(crate) struct HoverSwing {
     current: Option<Swinging>,
 }
 
@@ -35,7 +35,7 @@ struct Swinging {
 impl HoverSwing {
     /// Follows the pointer, which is at a place of a scene's lattice or off the map, at a moment of
     /// the window's clock. Returns the angles of a pendulum that is to be drawn, in rad.
-    pub fn follow(
+    pub(crate) fn follow(
         &mut self,
         scene: &Scene,
         place: Option<[Theta; 2]>,
@@ -49,7 +49,7 @@ impl HoverSwing {
     }
 
     /// Time after which the window is to be drawn again, s; none if nothing will have changed.
-    pub fn next_secs(&self, now_secs: f64) -> Option<f64> {
+    pub(crate) fn next_secs(&self, now_secs: f64) -> Option<f64> {
         let current = self.current.as_ref()?;
         let rest_secs = current.since_secs + REST_SECS - now_secs;
         (current.swung_secs < SWING_SECS).then(|| rest_secs.max(1.0 / 30.0))

@@ -7,7 +7,7 @@ use flipmap_render::tiles::explorer::ViewProgress;
 
 /// The progress of the newest view since it was first aimed at.
 #[derive(Debug, Default)]
-pub struct TimeLeft {
+pub(crate) struct TimeLeft {
     began: Option<Began>,
     latest: Option<(Instant, f64)>,
 }
@@ -26,7 +26,7 @@ const LEAST: Duration = Duration::from_secs(1);
 
 impl TimeLeft {
     /// Reads the progress of a view.
-    pub fn read(&mut self, camera: Camera, progress: &ViewProgress, now: Instant) {
+    pub(crate) fn read(&mut self, camera: Camera, progress: &ViewProgress, now: Instant) {
         let ViewProgress { wanted, share, .. } = *progress;
         let goes_on = |began: &Began| {
             began.camera == camera && began.wanted == wanted && began.share <= share
@@ -38,7 +38,7 @@ impl TimeLeft {
     }
 
     /// Returns the seconds until the view is complete; none while they cannot be estimated.
-    pub fn secs(&self) -> Option<f64> {
+    pub(crate) fn secs(&self) -> Option<f64> {
         let (began, (now, share)) = (self.began.as_ref()?, self.latest?);
         let (gained, took) = (share - began.share, now.duration_since(began.at));
         let tells = gained > 0.0 && share < 1.0 && took >= LEAST;

@@ -11,16 +11,20 @@ use flipmap_scene::lattice::Cell;
 use flipmap_scene::palette::AnswerColours;
 
 /// Width and height of a bookmark's picture in pixels.
-pub const THUMBNAIL: [u32; 2] = [192, 144];
+pub(crate) const THUMBNAIL: [u32; 2] = [192, 144];
 
 /// Returns the known flip times of the samples in view at the screen's level.
-pub fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
+pub(crate) fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
     times_at(screen, screen.level(), explorer)
 }
 
 /// Returns the finest level, up to `most` coarser than the screen's, with samples of all cells in view, and
 /// the largest stride of these.
-pub fn whole_level(screen: &Screen, most: u32, explorer: &mut Explorer) -> Option<(u32, Stride)> {
+pub(crate) fn whole_level(
+    screen: &Screen,
+    most: u32,
+    explorer: &mut Explorer,
+) -> Option<(u32, Stride)> {
     let finest = screen.level();
     (finest.saturating_sub(most)..=finest).rev().find_map(|level| {
         let cells = screen.region().cells(level, MOST_CELLS).into_iter();
@@ -31,7 +35,7 @@ pub fn whole_level(screen: &Screen, most: u32, explorer: &mut Explorer) -> Optio
 }
 
 /// Returns the known flip times of the samples in view at a level.
-pub fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> Vec<f64> {
+pub(crate) fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> Vec<f64> {
     let mut times = Vec::new();
     for placed in screen.region().cells(level, MOST_CELLS) {
         if let Some((known, _)) = explorer.known(placed.cell) {
@@ -43,7 +47,11 @@ pub fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> Vec<f64
 }
 
 /// Renders the view as a small picture, three bytes per pixel; unknown pixels are grey.
-pub fn thumbnail(screen: &Screen, explorer: &mut Explorer, colours: &AnswerColours) -> Vec<u8> {
+pub(crate) fn thumbnail(
+    screen: &Screen,
+    explorer: &mut Explorer,
+    colours: &AnswerColours,
+) -> Vec<u8> {
     const UNKNOWN: [u8; 3] = [0x80; 3];
     let [width, height] = THUMBNAIL;
     // The thumbnail shows the middle of the view, cropped to its own shape.

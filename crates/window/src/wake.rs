@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 /// The reason why the window was woken.
 #[derive(Debug)]
-pub enum Woken {
+pub(crate) enum Woken {
     /// Something is to be drawn at this moment.
     Draw(Instant),
     /// A background thread has news.
@@ -20,16 +20,16 @@ const NEVER: Duration = Duration::from_secs(1 << 30);
 
 impl Woken {
     /// Returns a request to draw after a delay.
-    pub fn after(delay: Duration) -> Self {
+    pub(crate) fn after(delay: Duration) -> Self {
         Woken::Draw(Instant::now() + delay.min(NEVER))
     }
 }
 
 /// Requests of screen readers.
-pub mod accesskit_event {
+pub(crate) mod accesskit_event {
     /// A request of a screen reader.
     #[derive(Debug)]
-    pub enum Event {
+    pub(crate) enum Event {
         /// Asks for descriptions of the interface.
         Wanted,
         /// Asks for this action.

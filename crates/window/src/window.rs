@@ -80,7 +80,7 @@ struct Runner {
 }
 
 /// A function that closes a window from any thread, as the user would.
-pub type Closer = Box<dyn Fn() + Send>;
+pub(crate) type Closer = Box<dyn Fn() + Send>;
 
 /// Opens a window and runs it until it is closed. `begun` is when the program started; `hand_out`
 /// receives the function that closes the window from outside.

@@ -91,13 +91,13 @@ impl CpuEngine {
     }
 
     /// Returns true if the processor has the method in the precision.
-    pub fn offers(config: &IntegratorConfig) -> bool {
+    pub(crate) fn offers(config: &IntegratorConfig) -> bool {
         config.precision != Precision::Df32
             && config.method.least_tolerance(config.precision).is_some()
     }
 
     /// Returns an error if the processor does not have the method in the precision.
-    pub fn require(config: &IntegratorConfig) -> Result<(), EngineError> {
+    pub(crate) fn require(config: &IntegratorConfig) -> Result<(), EngineError> {
         if Self::offers(config) {
             return Ok(());
         }

@@ -9,7 +9,7 @@ use flipmap_scene::lattice::Cell;
 impl Deep {
     /// Selects some of the starts, by their indices among all, in order, and moves them by a share
     /// of half their leaf.
-    pub fn some(&self, places: &[usize], strict: bool, by: [f64; 2]) -> Deep {
+    pub(crate) fn some(&self, places: &[usize], strict: bool, by: [f64; 2]) -> Deep {
         let mut wanted = places.iter().copied().peekable();
         let (mut leaves, mut first) = (Vec::new(), 0);
         for leaf in &self.leaves {
@@ -28,13 +28,13 @@ impl Deep {
     }
 
     /// Half the side of the leaves in the units of the plane's axes.
-    pub fn half_side(&self) -> f64 {
+    pub(crate) fn half_side(&self) -> f64 {
         self.leaves.first().map_or(0.0, |leaf| self.plane.half_side(leaf.cell.level))
     }
 
     /// The starts, angles in (−π, π] rad and speeds in rad/s; none where a section has no real
     /// solution.
-    pub fn exact(&self) -> impl Iterator<Item = Option<State<Theta>>> {
+    pub(crate) fn exact(&self) -> impl Iterator<Item = Option<State<Theta>>> {
         self.places().map(|(cell, at)| self.plane.start(&cell, at))
     }
 
@@ -45,7 +45,7 @@ impl Deep {
 
     /// The starts for an integration from their release, to the precision of double-double, or of more
     /// beside the top.
-    pub fn rounded(&self, question: &Question, ends: Ends) -> Starts {
+    pub(crate) fn rounded(&self, question: &Question, ends: Ends) -> Starts {
         let opening = question.opening(ends);
         let unit_secs = question.reduced_in::<Theta>().1;
         let mut starts = StartList::default();

@@ -9,14 +9,14 @@ pub struct Following(Arc<AtomicU64>);
 
 impl Following {
     /// Records the time that has been reached and the budget, both in s.
-    pub fn set(&self, secs: f64, budget_secs: f64) {
+    pub(crate) fn set(&self, secs: f64, budget_secs: f64) {
         let [secs, budget_secs] =
             [secs, budget_secs].map(|secs| u64::from((secs as f32).to_bits()));
         self.0.store((budget_secs << 32) | secs, Ordering::Relaxed);
     }
 
     /// Records that nothing is being followed.
-    pub fn clear(&self) {
+    pub(crate) fn clear(&self) {
         self.0.store(0, Ordering::Relaxed);
     }
 

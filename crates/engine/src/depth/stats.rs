@@ -31,7 +31,7 @@ pub struct DepthStats {
 
 impl DepthStats {
     /// Statistics before anything has been followed.
-    pub const NOTHING: DepthStats = DepthStats {
+    pub(crate) const NOTHING: DepthStats = DepthStats {
         digits: 0,
         integrated: 0,
         cells: 0,
@@ -44,7 +44,7 @@ impl DepthStats {
     };
 
     /// Merges the statistics of two jobs or leaves.
-    pub fn and(self, other: DepthStats) -> DepthStats {
+    pub(crate) fn and(self, other: DepthStats) -> DepthStats {
         let integrated = self.integrated + other.integrated;
         let weighed = |depth: DepthStats| depth.decades_a_second * depth.integrated as f64;
         DepthStats {

@@ -43,7 +43,7 @@ fn rank(info: &wgpu::AdapterInfo) -> [u8; 2] {
 
 /// Returns true if two adapters are one device, seen through two back-ends. Not every back-end
 /// reports where on the bus a device is.
-pub fn is_one_device(one: &wgpu::AdapterInfo, other: &wgpu::AdapterInfo) -> bool {
+pub(crate) fn is_one_device(one: &wgpu::AdapterInfo, other: &wgpu::AdapterInfo) -> bool {
     let [one_bus, other_bus] = [one, other].map(|info| info.device_pci_bus_id.as_str());
     one.backend != other.backend
         && (one.vendor, one.device) == (other.vendor, other.device)
@@ -105,39 +105,39 @@ impl Gpu {
     }
 
     /// Opens a fresh device on the same adapter.
-    pub fn reopen(&self) -> Result<Self, EngineError> {
+    pub(crate) fn reopen(&self) -> Result<Self, EngineError> {
         Ok(Gpu { traffic: self.traffic.clone(), ..Gpu::open(self.adapter.clone())? })
     }
 
     /// Writes to the beginning of a buffer, or from an offset on.
-    pub fn write(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
+    pub(crate) fn write(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
         self.traffic[0].fetch_add(bytes.len() as u64, Ordering::Relaxed);
         self.queue.write_buffer(buffer, offset, bytes);
     }
 
     /// Counts bytes that are read back.
-    pub fn count_download(&self, bytes: u64) {
+    pub(crate) fn count_download(&self, bytes: u64) {
         self.traffic[1].fetch_add(bytes, Ordering::Relaxed);
     }
 
     /// Bytes written to the device and bytes read back.
-    pub fn traffic(&self) -> [u64; 2] {
+    pub(crate) fn traffic(&self) -> [u64; 2] {
         [0, 1].map(|way| self.traffic[way].load(Ordering::Relaxed))
     }
 
     /// Seconds per tick of the device's clock; none where submissions cannot be timed by it.
-    pub fn tick_secs(&self) -> Option<f64> {
+    pub(crate) fn tick_secs(&self) -> Option<f64> {
         let has = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         has.then(|| f64::from(self.queue.get_timestamp_period()) * 1e-9)
     }
 
     /// Marks the device as lost.
-    pub fn give_up(&self) {
+    pub(crate) fn give_up(&self) {
         self.lost.store(true, Ordering::Release);
     }
 
     /// Returns true if the device can do nothing more.
-    pub fn is_lost(&self) -> bool {
+    pub(crate) fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
     }
 
@@ -158,7 +158,7 @@ impl Gpu {
     }
 
     /// Returns true if invocations of a subgroup can exchange values.
-    pub fn has_subgroups(&self) -> bool {
+    pub(crate) fn has_subgroups(&self) -> bool {
         self.device.features().contains(wgpu::Features::SUBGROUP)
     }
 

@@ -15,24 +15,24 @@ impl GpuEngine {
     }
 
     /// Returns true if there are kernels for the method in the precision, on any adapter.
-    pub fn has(config: &IntegratorConfig) -> bool {
+    pub(crate) fn has(config: &IntegratorConfig) -> bool {
         Design::general(config, false, false).is_ok()
     }
 
     /// Refuses ends that the kernels of a configuration do not compute, on any adapter.
-    pub fn require_ends(config: &IntegratorConfig, ends: Ends) -> Result<(), EngineError> {
+    pub(crate) fn require_ends(config: &IntegratorConfig, ends: Ends) -> Result<(), EngineError> {
         Design::general(config, false, false)?.returning(ends).map(drop)
     }
 
     /// Refuses a configuration that the kernels do not have or the device is not trusted with.
-    pub fn require(&self, config: &IntegratorConfig) -> Result<(), EngineError> {
+    pub(crate) fn require(&self, config: &IntegratorConfig) -> Result<(), EngineError> {
         Design::general(config, false, false)?;
         self.verdict.allows(config).map_err(EngineError::Unsupported)
     }
 
     /// Checks orbits by a configuration's method in its precision, unless that was done before.
     /// Where they are wrong, the device is not trusted with the precision from then on.
-    pub fn check_orbits(&mut self, config: &IntegratorConfig) -> Result<(), EngineError> {
+    pub(crate) fn check_orbits(&mut self, config: &IntegratorConfig) -> Result<(), EngineError> {
         let checked = (config.method.name(), config.precision);
         if self.checked.contains(&checked) {
             return Ok(());
@@ -103,7 +103,7 @@ impl GpuEngine {
     /// The configurations by which checks are made on the device, wherever that is asked. Expansions are
     /// left to the processor by a software adapter, which takes longer for them on the same cores, and by
     /// a window, which does not wait for their kernel to compile.
-    pub fn checks(&self) -> impl Fn(&IntegratorConfig) -> bool + Send + 'static {
+    pub(crate) fn checks(&self) -> impl Fn(&IntegratorConfig) -> bool + Send + 'static {
         let leaves_series = self.tuning.at_once || is_software(&self.gpu.adapter);
         let verdict = self.verdict.clone();
         move |config| {

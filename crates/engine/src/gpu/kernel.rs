@@ -115,7 +115,7 @@ impl Design {
     }
 
     /// Returns true if the kernel counts passes of the top.
-    pub fn counts_passes(&self) -> bool {
+    pub(crate) fn counts_passes(&self) -> bool {
         self.passes != 1
     }
 
@@ -125,7 +125,7 @@ impl Design {
     }
 
     /// The same kernel, if its scheme can compute such ends.
-    pub fn returning(self, ends: Ends) -> Result<Self, EngineError> {
+    pub(crate) fn returning(self, ends: Ends) -> Result<Self, EngineError> {
         if self.scheme == Scheme::Series && ends.are_carried() {
             let why = "graphics adapters compute no growth and no returns by `method` taylor";
             return Err(EngineError::Unsupported(why.to_string()));
@@ -135,7 +135,7 @@ impl Design {
 
     /// Returns true if scenes have no kernels of their own: expansions check a few pixels of each, and
     /// their kernels take long to compile.
-    pub fn serves_all(&self) -> bool {
+    pub(crate) fn serves_all(&self) -> bool {
         self.scheme == Scheme::Series
     }
 
@@ -149,7 +149,7 @@ impl Design {
     }
 
     /// Names of the variables that hold a pendulum's state, in the order of the buffer.
-    pub fn state(&self) -> Vec<&'static str> {
+    pub(crate) fn state(&self) -> Vec<&'static str> {
         if self.ends.are_carried() {
             let moving = ["x1", "y1", "x2", "y2", "p1", "p2", "time", "h"];
             return [&moving[..], &carried_names(self.ends)].concat();
@@ -159,7 +159,7 @@ impl Design {
     }
 
     /// Numbers of the bobs that the kernel watches, from 1.
-    pub fn watched(&self) -> Vec<usize> {
+    pub(crate) fn watched(&self) -> Vec<usize> {
         let rule = self.scene.map_or(Rule::Either, |(_, rule)| rule);
         rule.watched().iter().map(|bob| bob + 1).collect()
     }

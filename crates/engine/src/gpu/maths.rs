@@ -50,7 +50,7 @@ impl Design {
 
     /// One step: the `_next` value of every state variable that moves, and the quantities by which
     /// the step is judged.
-    pub fn step(&self) -> String {
+    pub(crate) fn step(&self) -> String {
         match self.ends {
             Ends::Growth => return self.tangent_step(),
             Ends::Return => return self.returning_step(),
@@ -187,7 +187,7 @@ impl Design {
 
     /// Condition under which a watched bob may have been at the top (counterpart:
     /// `flip::may_pass`).
-    pub fn may_pass(&self) -> String {
+    pub(crate) fn may_pass(&self) -> String {
         let one = |bob: &usize| {
             let (t, w) = (format!("t{bob}"), format!("w{bob}"));
             let turned = format!("({w} * {w}_next < 0)");
@@ -204,7 +204,7 @@ impl Design {
     }
 
     /// The energy of a pendulum, from its state where a slice of steps ends.
-    pub fn energy(&self) -> String {
+    pub(crate) fn energy(&self) -> String {
         write_maths(Dialect { indent: "    ", ..self.dialect() }, || {
             let energy = if self.is_adaptive() {
                 self.pendulum().energy_of(&std::array::from_fn(|i| variable(PHASE[i])))
@@ -217,7 +217,7 @@ impl Design {
 
     /// The coefficients of the quintic of a bob's angle beyond the top over the step (see
     /// `flip::fraction_of_step`).
-    pub fn quintic_of(&self, bob: usize) -> String {
+    pub(crate) fn quintic_of(&self, bob: usize) -> String {
         const ENDS: [[&str; 6]; 2] = [
             ["t1", "t2", "w1", "w2", "t1_low", "t2_low"],
             ["t1_next", "t2_next", "w1_next", "w2_next", "t1_low_next", "t2_low_next"],

@@ -14,7 +14,7 @@ mod kernels;
 mod maths;
 pub mod packing;
 pub mod pairs;
-pub mod pipeline;
+pub(crate) mod pipeline;
 mod slot;
 mod stats;
 mod tuning;
@@ -32,7 +32,7 @@ use self::kernels::{Haste, Kernels};
 use self::packing::Packer;
 use self::pipeline::Kernel;
 use self::slot::{BufferPool, FinishedSlices, Slot, SlotEvent};
-pub use self::stats::GpuStats;
+pub(crate) use self::stats::GpuStats;
 pub use self::tuning::GpuTuning;
 use super::selfcheck::Verdict;
 use super::{

@@ -29,7 +29,7 @@ impl Packing {
     pub const ALL: [Packing; 3] = [Packing::Moment, Packing::Steps, Packing::StepsAndMoment];
 
     /// The packing of what a kernel answers.
-    pub fn of(design: &Design) -> Self {
+    pub(crate) fn of(design: &Design) -> Self {
         match (design.is_adaptive(), design.precision) {
             (true, _) => Packing::Moment,
             (false, Precision::F32) => Packing::Steps,

@@ -5,7 +5,7 @@ use super::kernel::Design;
 use crate::EngineError;
 
 /// The entry points of a design, compiled for one device.
-pub struct Kernel {
+pub(crate) struct Kernel {
     /// The design that the pipelines were made from.
     pub design: Design,
     /// Pipeline that swaps the lists and sizes the next dispatch.
@@ -21,7 +21,7 @@ pub struct Kernel {
 
 impl Kernel {
     /// Compiles `design` with this number of invocations in a workgroup.
-    pub fn new(gpu: &Gpu, design: Design, workgroup: u32) -> Result<Self, EngineError> {
+    pub(crate) fn new(gpu: &Gpu, design: Design, workgroup: u32) -> Result<Self, EngineError> {
         let kernel = Kernel::compile(&gpu.device, design, workgroup);
         gpu.check()?;
         Ok(kernel)
@@ -53,7 +53,12 @@ impl Kernel {
     }
 
     /// Creates a bind group of this kernel.
-    pub fn bind(&self, gpu: &Gpu, group: usize, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+    pub(crate) fn bind(
+        &self,
+        gpu: &Gpu,
+        group: usize,
+        buffers: &[&wgpu::Buffer],
+    ) -> wgpu::BindGroup {
         bind(&gpu.device, &self.layouts[group], buffers)
     }
 }
@@ -71,7 +76,7 @@ pub(super) fn workgroups(count: u32, workgroup: u32) -> u32 {
 }
 
 /// A layout of storage buffers, each read-only or not.
-pub fn layout(device: &wgpu::Device, read_only: &[bool]) -> wgpu::BindGroupLayout {
+pub(crate) fn layout(device: &wgpu::Device, read_only: &[bool]) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = (0..)
         .zip(read_only)
         .map(|(binding, &read_only)| wgpu::BindGroupLayoutEntry {
@@ -92,7 +97,7 @@ pub fn layout(device: &wgpu::Device, read_only: &[bool]) -> wgpu::BindGroupLayou
 }
 
 /// Creates a bind group of buffers in the order of their bindings.
-pub fn bind(
+pub(crate) fn bind(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
     buffers: &[&wgpu::Buffer],
@@ -108,7 +113,7 @@ pub fn bind(
 }
 
 /// Compiles one entry point of a module.
-pub fn compute_pipeline(
+pub(crate) fn compute_pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     entry: &str,

@@ -78,7 +78,7 @@ impl GpuTuning {
     }
 
     /// Every key of [`GpuTuning::with`].
-    pub const KEYS: [&str; 8] =
+    pub(crate) const KEYS: [&str; 8] =
         ["pace", "first_slice", "slices", "slots", "job_size", "workgroup", "subgroups", "general"];
 }
 

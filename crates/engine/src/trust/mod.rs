@@ -43,7 +43,7 @@ mod outlook;
 
 use self::checked_job::{CheckedJob, RUNS};
 pub use self::opinion::Opinion;
-pub use self::outlook::{Outlook, SampledAnswers};
+pub use self::outlook::Outlook;
 use super::cpu::CpuEngine;
 use super::depth::DepthEngine;
 use super::{Engine, EngineError, GpuStats, IntegratorConfig, Job, JobResult, Starts, Wait};

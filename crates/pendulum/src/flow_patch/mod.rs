@@ -19,7 +19,7 @@ mod nudges;
 
 pub use coordinates::CurveCoordinates;
 pub use curve::{CurvePoint, PatchCurve};
-pub use graze::Graze;
+pub(crate) use graze::Graze;
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -178,7 +178,7 @@ impl Dynamics {
     }
 
     /// The weights of a state's components: momenta count in units of their scale.
-    pub fn weights(&self) -> Phase<f64> {
+    pub(crate) fn weights(&self) -> Phase<f64> {
         let [p1, p2] = self.inverse_scale;
         [1.0, 1.0, 1.0, 1.0, p1, p2]
     }
@@ -318,7 +318,7 @@ impl FlowPatch {
     }
 
     /// Returns true if all of the patch has flipped.
-    pub fn settled(&self) -> bool {
+    pub(crate) fn settled(&self) -> bool {
         self.grazes.iter().any(Graze::concerns_all)
     }
 

@@ -11,7 +11,9 @@ mod plan;
 mod run;
 mod task;
 
-pub use parts::{PartError, PartForm, PartForms, PartWriter, Parts};
+pub use parts::{PartError, PartForm, PartForms, Parts};
+
+pub(crate) use parts::PartWriter;
 pub use plan::{Plan, PlanError, PlannedOutput};
 pub use run::{RunError, run};
-pub use task::{FrameGroupTask, FrameTask, StillPass, Task, TaskKind, WorkPiece};
+pub use task::{StillPass, Task, TaskKind, WorkPiece};

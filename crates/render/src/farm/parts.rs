@@ -130,27 +130,27 @@ impl Part {
 }
 
 /// Writes the parts of one pendulum or picture.
-pub struct PartWriter {
+pub(crate) struct PartWriter {
     folder: PathBuf,
     of: String,
 }
 
 impl PartWriter {
     /// Opens a folder, creating it if necessary; `of` is the digest of what decides the samples.
-    pub fn open(folder: &Path, of: &str) -> Result<Self, PartError> {
+    pub(crate) fn open(folder: &Path, of: &str) -> Result<Self, PartError> {
         fs::create_dir_all(folder).map_err(failed("write", folder))?;
         Ok(PartWriter { folder: folder.to_path_buf(), of: of.to_string() })
     }
 
     /// Writes a part of rows from `first` on.
-    pub fn rows(&self, width: u32, first: u32, samples: Samples) -> Result<(), PartError> {
+    pub(crate) fn rows(&self, width: u32, first: u32, samples: Samples) -> Result<(), PartError> {
         let count = (samples.len() / width as usize) as u32;
         let name = format!("rows-{}-{first:07}-{count}.part", &self.of[..8]);
         self.write(&name, Holds::Rows { width, first, count }, samples)
     }
 
     /// Writes a part of patches, whose samples follow one another.
-    pub fn patches(&self, cells: &[Cell], samples: Samples) -> Result<(), PartError> {
+    pub(crate) fn patches(&self, cells: &[Cell], samples: Samples) -> Result<(), PartError> {
         let places: Vec<_> =
             cells.iter().map(|cell| (cell.level, cell.x.limbs(), cell.y.limbs())).collect();
         let name = format!(
@@ -262,7 +262,7 @@ impl Parts {
     }
 
     /// The rows among `rows` that no part holds.
-    pub fn missing_rows(&self, of: &str, rows: Range<u32>) -> Vec<Range<u32>> {
+    pub(crate) fn missing_rows(&self, of: &str, rows: Range<u32>) -> Vec<Range<u32>> {
         let mut missing = Vec::new();
         let mut next = rows.start;
         for ((_, first), (count, _)) in self.of_rows(of) {
@@ -286,7 +286,7 @@ impl Parts {
     }
 
     /// The samples of some rows that one part holds, from `row` on; at most `most` rows.
-    pub fn rows(&mut self, of: &str, row: u32, most: u32) -> Result<Samples, PartError> {
+    pub(crate) fn rows(&mut self, of: &str, row: u32, most: u32) -> Result<Samples, PartError> {
         let holds = |(key, (count, file)): (&(String, u32), &(u32, usize))| {
             (key.1..key.1 + count).contains(&row).then_some((key.1, *count, *file))
         };
@@ -300,12 +300,12 @@ impl Parts {
     }
 
     /// Returns true if some part holds a patch.
-    pub fn has_patch(&self, of: &str, cell: &Cell) -> bool {
+    pub(crate) fn has_patch(&self, of: &str, cell: &Cell) -> bool {
         self.patches.get(of).is_some_and(|known| known.contains_key(cell))
     }
 
     /// The samples of a patch.
-    pub fn patch(&mut self, of: &str, cell: &Cell) -> Result<Samples, PartError> {
+    pub(crate) fn patch(&mut self, of: &str, cell: &Cell) -> Result<Samples, PartError> {
         let known = self.patches.get(of).and_then(|known| known.get(cell));
         let (file, place) = *known.ok_or(PartError::Gone)?;
         Ok(self.load(file)?.samples.part(place * PATCH_SAMPLES..(place + 1) * PATCH_SAMPLES))

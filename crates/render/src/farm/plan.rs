@@ -159,7 +159,7 @@ impl Plan {
     }
 
     /// The integrator config of the plan.
-    pub fn config(&self) -> Result<IntegratorConfig, PlanError> {
+    pub(crate) fn config(&self) -> Result<IntegratorConfig, PlanError> {
         let spec = RunSpec::resolve(self.config.clone());
         match spec.map_err(|why| PlanError::Inside(why.to_string()))?.setting {
             IntegrationSetting::Explicit(config) => Ok(config),
@@ -168,7 +168,7 @@ impl Plan {
     }
 
     /// The output that is wanted.
-    pub fn what(&self) -> PlannedOutput {
+    pub(crate) fn what(&self) -> PlannedOutput {
         match (&self.still, &self.film) {
             (_, Some(film)) => PlannedOutput::Film(film.clone()),
             (still, None) => PlannedOutput::Still(Box::new(still.clone().unwrap_or_default())),

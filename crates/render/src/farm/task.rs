@@ -237,7 +237,7 @@ impl Task {
 
 impl FrameGroupTask {
     /// The digest of everything that decides the samples of one of its patches.
-    pub fn of(&self, cell: &Cell) -> &str {
+    pub(crate) fn of(&self, cell: &Cell) -> &str {
         &self.of[self.group.scene_index(cell)]
     }
 }

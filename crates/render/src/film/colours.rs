@@ -12,7 +12,7 @@ pub(super) const HIGHEST: f64 = 65534.0;
 
 /// The flips that a frame shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FlipWindow {
+pub(crate) struct FlipWindow {
     secs: f64,
     /// True if the others are still waiting for theirs.
     waits: bool,
@@ -20,7 +20,7 @@ pub struct FlipWindow {
 
 impl FlipWindow {
     /// The flips that a shot of a film shows: all that it can, or those within its clock.
-    pub fn of(film: &Film, shot: &Shot) -> Self {
+    pub(crate) fn of(film: &Film, shot: &Shot) -> Self {
         match shot.clock_secs {
             Some(secs) => FlipWindow { secs, waits: true },
             None => FlipWindow { secs: film.shown_secs(shot), waits: false },
@@ -48,17 +48,17 @@ pub struct Colours {
 
 impl Colours {
     /// The colours of a film with these tones; with heights if it is lit from the side.
-    pub fn new(tones: Tones, is_lit: bool) -> Self {
+    pub(crate) fn new(tones: Tones, is_lit: bool) -> Self {
         Colours { tones, light: light_table(), is_lit }
     }
 
     /// Returns true if the film is lit from the side.
-    pub fn is_lit(&self) -> bool {
+    pub(crate) fn is_lit(&self) -> bool {
         self.is_lit
     }
 
     /// The looks of a patch with these samples, given the flips that each of them shows.
-    pub fn looks(&self, samples: &Samples, shown: &[FlipWindow; LOOKS]) -> Looks {
+    pub(crate) fn looks(&self, samples: &Samples, shown: &[FlipWindow; LOOKS]) -> Looks {
         let mut looks: Vec<Light> = Vec::with_capacity(LOOKS);
         for (k, window) in shown.iter().enumerate() {
             let changes = |outcome: Outcome| window.shows(&outcome) != shown[k - 1].shows(&outcome);

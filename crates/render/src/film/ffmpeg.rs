@@ -167,13 +167,13 @@ const LAST_LINES: usize = 5;
 
 impl Encoder {
     /// Refuses pipes and devices.
-    pub fn check_place(path: &Path) -> io::Result<()> {
+    pub(crate) fn check_place(path: &Path) -> io::Result<()> {
         let is_plain = !path.exists() || path.is_file() || path.is_dir();
         if is_plain { Ok(()) } else { Err(no_plain_file()) }
     }
 
     /// Starts ffmpeg.
-    pub fn start(codec: Codec, film: &Film, path: &Path) -> Result<Self, FfmpegError> {
+    pub(crate) fn start(codec: Codec, film: &Film, path: &Path) -> Result<Self, FfmpegError> {
         let unwritable = |source| FfmpegError::File { path: path.to_path_buf(), source };
         let file = SafeFile::create(&Destination::from(path)).map_err(unwritable)?;
         let beside = file.beside().ok_or_else(|| unwritable(no_plain_file()))?;
@@ -189,7 +189,7 @@ impl Encoder {
     }
 
     /// Passes a frame on to ffmpeg.
-    pub fn write(&mut self, rgb: &[u8]) -> Result<(), FfmpegError> {
+    pub(crate) fn write(&mut self, rgb: &[u8]) -> Result<(), FfmpegError> {
         let Some(stdin) = &mut self.child.stdin else { return Ok(()) };
         if stdin.write_all(rgb).is_ok() {
             return Ok(());
@@ -199,7 +199,7 @@ impl Encoder {
     }
 
     /// Waits until ffmpeg is done, and puts the film in its place.
-    pub fn finish(mut self) -> Result<(), FfmpegError> {
+    pub(crate) fn finish(mut self) -> Result<(), FfmpegError> {
         drop(self.child.stdin.take());
         let status = self.child.wait();
         let lines = self.last_lines();

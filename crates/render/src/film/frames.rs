@@ -71,7 +71,11 @@ pub struct Frames {
 
 impl Frames {
     /// Opens a folder, creating it if necessary. The document says how all frames are painted.
-    pub fn open(folder: &Path, film: &Film, document: &Document) -> Result<Self, FrameError> {
+    pub(crate) fn open(
+        folder: &Path,
+        film: &Film,
+        document: &Document,
+    ) -> Result<Self, FrameError> {
         Self::check(folder)
             .map_err(|source| FrameError { path: folder.to_path_buf(), source: source.into() })?;
         Ok(Frames {
@@ -105,7 +109,7 @@ impl Frames {
     }
 
     /// Returns true if a frame is there, whole and as it should be.
-    pub fn has(&mut self, frame: u32, shot: &Shot) -> bool {
+    pub(crate) fn has(&mut self, frame: u32, shot: &Shot) -> bool {
         let [png, json] = self.paths(frame);
         let Some(beside) = Beside::read(&json) else { return false };
         let Ok(picture) = read_plain(&png, MOST_OF_PICTURE) else { return false };
@@ -117,7 +121,7 @@ impl Frames {
     }
 
     /// Writes a frame and the JSON file beside it.
-    pub fn write(&mut self, frame: u32, shot: &Shot, rgb: &[u8]) -> Result<(), FrameError> {
+    pub(crate) fn write(&mut self, frame: u32, shot: &Shot, rgb: &[u8]) -> Result<(), FrameError> {
         let [png, json] = self.paths(frame);
         let failed = |path: &Path| {
             let path = path.to_path_buf();
@@ -141,7 +145,7 @@ impl Frames {
     }
 
     /// Writes the manifest, which says that all frames are there.
-    pub fn finish(self) -> Result<(), FrameError> {
+    pub(crate) fn finish(self) -> Result<(), FrameError> {
         let Frames { folder, size, fps, mut done, .. } = self;
         // Frames that were there already came first.
         done.sort_by_key(|beside| beside.frame);

@@ -18,7 +18,7 @@ use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE};
 use flipmap_scene::lattice::Cell;
 
 /// Linear light of a sample, red, green and blue, and its height: 1 to 65535, or 0 without one.
-pub type SampleLight = [u16; 4];
+pub(crate) type SampleLight = [u16; 4];
 
 /// The samples of a patch, row by row from the top.
 pub type Light = Arc<[SampleLight]>;
@@ -42,7 +42,7 @@ const OWN: usize = 1;
 pub(super) const HEIGHT: usize = 3;
 
 /// The colours of cells, in a file.
-pub struct Mip {
+pub(crate) struct Mip {
     file: File,
     places: HashMap<Cell, CellPlace>,
     /// Number of numbers per sample in the file: heights are kept only if the film is lit.
@@ -62,7 +62,7 @@ impl Mip {
     /// Builds the mip of `patches`, given in depth-first order of quarters of quarters; `looks`
     /// returns their looks one by one in that order. The file lies in `folder`, and keeps heights if the
     /// film `is_lit` from the side.
-    pub fn build<E: From<io::Error>>(
+    pub(crate) fn build<E: From<io::Error>>(
         patches: &[Cell],
         is_lit: bool,
         folder: &Path,

@@ -35,10 +35,14 @@ mod lit_frame;
 mod mip;
 mod paint;
 
-pub use colours::{Colours, FlipWindow};
-pub use frames::{FrameError, Frames};
-pub use mip::{Light, Looks, Mip, SampleLight};
-pub use paint::{FramePainter, WAITING};
+pub use colours::Colours;
+
+pub(crate) use colours::FlipWindow;
+pub(crate) use frames::FrameError;
+pub use frames::Frames;
+pub(crate) use mip::Mip;
+pub use mip::{Light, Looks};
+pub(crate) use paint::{FramePainter, WAITING};
 
 use std::sync::Arc;
 
@@ -66,7 +70,7 @@ const BUDGETS: f64 = 64.0;
 
 impl FrameGroup {
     /// The scenes to compute patches of, one for each budget; their views do not matter.
-    pub fn scenes(&self) -> impl Iterator<Item = Scene> {
+    pub(crate) fn scenes(&self) -> impl Iterator<Item = Scene> {
         self.budgets.iter().map(|(_, secs)| {
             let mut scene = self.scene.clone();
             scene.question.budget.secs = *secs;
@@ -76,13 +80,13 @@ impl FrameGroup {
 
     /// The index among [`Self::scenes`] of the one to compute a patch of: that of the next finer level, in
     /// which the patch may be seen too.
-    pub fn scene_index(&self, patch: &Cell) -> usize {
+    pub(crate) fn scene_index(&self, patch: &Cell) -> usize {
         self.budget_index(patch.level + 1)
     }
 
     /// The flips that each level shows of a patch, given those that its frames show in any case: the
     /// next finer level first, then the patch's own, then the levels above.
-    pub fn shown(&self, patch: &Cell, shown: FlipWindow) -> [FlipWindow; LOOKS] {
+    pub(crate) fn shown(&self, patch: &Cell, shown: FlipWindow) -> [FlipWindow; LOOKS] {
         let budget = |level: u32| self.budgets[self.budget_index(level)].1;
         std::array::from_fn(|k| shown.within(budget((patch.level + 1).saturating_sub(k as u32))))
     }
@@ -93,7 +97,7 @@ impl FrameGroup {
 }
 
 /// The groups of a film: one for each run of frames with the same pendulum.
-pub fn frame_groups(film: &Film) -> Vec<FrameGroup> {
+pub(crate) fn frame_groups(film: &Film) -> Vec<FrameGroup> {
     let samples = film.keys[0].scene.picture.samples.along();
     let shots: Vec<Shot> = (0..film.frames).map(|frame| film.shot(frame)).collect();
     let mut groups: Vec<FrameGroup> = Vec::new();

@@ -21,13 +21,13 @@ use flipmap_scene::palette::{Ground, Relief, Rgb, encoded};
 use flipmap_scene::{Grid, PictureTable};
 
 /// Colour of starts that have not flipped yet while the clock runs.
-pub const WAITING: Rgb = [0x16, 0x18, 0x1d];
+pub(crate) const WAITING: Rgb = [0x16, 0x18, 0x1d];
 
 /// The light of white.
 const MOST_LIGHT: f32 = 65535.0;
 
 /// Paints frames from a mip.
-pub struct FramePainter {
+pub(crate) struct FramePainter {
     size: [u32; 2],
     samples: u32,
     /// The colour of the energy curve, if it is drawn.
@@ -49,7 +49,7 @@ struct LayerPair {
 
 impl FramePainter {
     /// A painter of frames of this size.
-    pub fn new(size: [u32; 2], picture: &PictureTable) -> Self {
+    pub(crate) fn new(size: [u32; 2], picture: &PictureTable) -> Self {
         let encode = (0..=u16::MAX).map(|light| encoded(f64::from(light) / 65535.0)).collect();
         let curve = Ground::of(picture).ok().filter(|_| picture.curve).map(|ground| ground.curve);
         let (samples, relief) = (picture.samples.along(), Relief::of(picture));
@@ -57,12 +57,12 @@ impl FramePainter {
     }
 
     /// Forgets the previous frame's colours, because other colours follow.
-    pub fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.used.clear();
     }
 
     /// Paints the pixels of a frame, three bytes each, rows from the top.
-    pub fn paint(&mut self, shot: &Shot, mip: &mut Mip) -> io::Result<Vec<u8>> {
+    pub(crate) fn paint(&mut self, shot: &Shot, mip: &mut Mip) -> io::Result<Vec<u8>> {
         let sight = Sight::new(&shot.scene, self.size, self.samples);
         let level = sight.level();
         let mut used = UsedLight { before: &self.used, now: HashMap::new() };

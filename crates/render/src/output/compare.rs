@@ -286,7 +286,7 @@ fn apart(channel: &Channel, a: f64, b: f64) -> Difference {
 
 impl Difference {
     /// The difference of two flip times: finite, +inf without a flip, NaN where there can be none.
-    pub fn of_times(a: f64, b: f64) -> Self {
+    pub(crate) fn of_times(a: f64, b: f64) -> Self {
         if a.is_finite() && b.is_finite() {
             Difference::By((a - b).abs())
         } else if a == b || (a.is_nan() && b.is_nan()) {

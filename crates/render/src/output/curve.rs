@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use flipmap_scene::Grid;
 
 /// A band of rows, with the blocks of pixels that the energy curve may touch.
-pub struct CurveBand {
+pub(crate) struct CurveBand {
     /// True for each block, from the left, that is not clear of the curve.
     near: Vec<bool>,
 }
@@ -21,7 +21,7 @@ const REACH: f64 = HALF_WIDTH + 0.5;
 
 impl CurveBand {
     /// The band in which a row of a grid lies.
-    pub fn around(grid: &Grid, row: u32) -> Self {
+    pub(crate) fn around(grid: &Grid, row: u32) -> Self {
         let first_row = row - row % BLOCK;
         let columns = (0..grid.size()[0]).step_by(BLOCK as usize);
         let near = |x| !grid.is_clear_of_curve([x, first_row], [BLOCK; 2], REACH);
@@ -41,7 +41,7 @@ impl CurveBand {
 
     /// Share of a pixel of the band that the energy curve covers, from its distance to the pixel's
     /// middle.
-    pub fn cover(&self, grid: &Grid, column: u32, row: u32) -> f64 {
+    pub(crate) fn cover(&self, grid: &Grid, column: u32, row: u32) -> f64 {
         if !self.near[(column / BLOCK) as usize] {
             return 0.0;
         }

@@ -47,7 +47,7 @@ fn columns_of(question: &QuestionTable) -> Vec<(&'static str, Column)> {
 const SHORT_ROW: u32 = 1 << 14;
 
 /// Writes blocks of rows as the samples come, and at the end the table of the blocks' offsets.
-pub struct ExrWriter<W: Write + Seek> {
+pub(crate) struct ExrWriter<W: Write + Seek> {
     out: W,
     header: Header,
     /// File offset of the table of the blocks' offsets.
@@ -66,7 +66,7 @@ pub struct ExrWriter<W: Write + Seek> {
 
 impl<W: Write + Seek> ExrWriter<W> {
     /// Begins a `size` image that carries `document`, at the beginning of a file.
-    pub fn new(mut out: W, size: [u32; 2], document: &Document) -> io::Result<Self> {
+    pub(crate) fn new(mut out: W, size: [u32; 2], document: &Document) -> io::Result<Self> {
         let header = header(size, document);
         let mut bytes = Vec::new();
         begin(&mut bytes, &header).map_err(cause)?;
@@ -90,7 +90,7 @@ impl<W: Write + Seek> ExrWriter<W> {
     }
 
     /// Writes the next samples.
-    pub fn write(&mut self, samples: &Samples) -> io::Result<()> {
+    pub(crate) fn write(&mut self, samples: &Samples) -> io::Result<()> {
         let width = self.header.layer_size.width();
         for index in 0..samples.len() {
             let (status, values) = (samples.get(index).status, samples.values(index));
@@ -148,7 +148,7 @@ impl<W: Write + Seek> ExrWriter<W> {
     }
 
     /// Completes the image and returns the file.
-    pub fn finish(mut self) -> io::Result<W> {
+    pub(crate) fn finish(mut self) -> io::Result<W> {
         let height = self.header.layer_size.height();
         if self.rows < height {
             let text = format!("only {} of {height} rows have come", self.rows);

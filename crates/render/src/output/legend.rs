@@ -35,7 +35,11 @@ pub struct Legend {
 impl Legend {
     /// The legend of the answers to a question, in the lower left corner of a picture of `size`
     /// pixels; refuses a picture with too little room.
-    pub fn new(colours: &AnswerColours, ask: Ask, size: [u32; 2]) -> Result<Self, SceneError> {
+    pub(crate) fn new(
+        colours: &AnswerColours,
+        ask: Ask,
+        size: [u32; 2],
+    ) -> Result<Self, SceneError> {
         let letter = (size[1] as f32 * LETTER_SHARE).max(LEAST_LETTER).round();
         let mut sheet = Sheet::new(letter);
         if colours.is_square() {
@@ -48,7 +52,7 @@ impl Legend {
     }
 
     /// Lays the legend over a whole picture `width` pixels wide, three bytes a pixel, rows from the top.
-    pub fn lay_over(&self, rgb: &mut [u8], width: u32) {
+    pub(crate) fn lay_over(&self, rgb: &mut [u8], width: u32) {
         for (row, bytes) in (0..).zip(rgb.chunks_mut(3 * width as usize)) {
             for (column, pixel) in (0..).zip(bytes.as_chunks_mut::<3>().0) {
                 *pixel = rounded(self.over(tint_of(*pixel), column, row));

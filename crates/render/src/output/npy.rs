@@ -43,7 +43,7 @@ impl<W: Write> NpyWriter<W> {
     }
 
     /// Returns the complete file.
-    pub fn into_inner(self) -> W {
+    pub(crate) fn into_inner(self) -> W {
         self.out
     }
 }

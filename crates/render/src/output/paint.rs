@@ -60,7 +60,7 @@ impl RowPainter {
     }
 
     /// Paints pixels whose middles are known, and whose corners are the samples that come.
-    pub fn paint_corners(&mut self, plain: Arc<PlainPixels>) {
+    pub(crate) fn paint_corners(&mut self, plain: Arc<PlainPixels>) {
         self.corners = Some(CornerRows::new(plain, self.grid.size()[0] as usize));
     }
 
@@ -72,7 +72,7 @@ impl RowPainter {
 
     /// Paints the samples at `places`, which are the next ones. With several samples per pixel, a row
     /// comes out when it is complete, and with light from the side, when the row below it has come.
-    pub fn tints(&mut self, samples: &Samples, places: Range<usize>) -> &[Tint] {
+    pub(crate) fn tints(&mut self, samples: &Samples, places: Range<usize>) -> &[Tint] {
         let mut fresh = std::mem::take(&mut self.fresh);
         self.colour(samples, places.clone(), &mut fresh);
         fresh = match self.corners.take() {
@@ -184,7 +184,7 @@ fn height(colours: &AnswerColours, samples: &Samples, index: usize) -> f32 {
 }
 
 /// The colour of which `above` covers a share.
-pub fn blended(below: Rgb, above: Rgb, cover: f64) -> Rgb {
+pub(crate) fn blended(below: Rgb, above: Rgb, cover: f64) -> Rgb {
     rounded(mixed(tint_of(below), tint_of(above), cover as f32))
 }
 

@@ -72,7 +72,11 @@ impl PictureFile {
     }
 
     /// Begins a picture of sixteen bits a channel, as [`PictureFile::create`] does one of eight.
-    pub fn create_deep(path: &Path, size: [u32; 2], document: &Document) -> io::Result<Self> {
+    pub(crate) fn create_deep(
+        path: &Path,
+        size: [u32; 2],
+        document: &Document,
+    ) -> io::Result<Self> {
         check_depth(path)?;
         let format = format_of(path)?;
         let file = SafeFile::create(&Destination::from(path))?;

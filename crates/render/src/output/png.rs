@@ -54,12 +54,12 @@ impl<W: Write> PngWriter<W> {
     }
 
     /// Begins a `size` picture of sixteen bits a channel that carries `document`.
-    pub fn deep(out: W, size: [u32; 2], document: &Document) -> Result<Self, PngError> {
+    pub(crate) fn deep(out: W, size: [u32; 2], document: &Document) -> Result<Self, PngError> {
         Self::begin(out, size, Some(document.text()), png::BitDepth::Sixteen)
     }
 
     /// Begins a `size` picture that carries no scene.
-    pub fn without_scene(out: W, size: [u32; 2]) -> Result<Self, PngError> {
+    pub(crate) fn without_scene(out: W, size: [u32; 2]) -> Result<Self, PngError> {
         Self::begin(out, size, None, png::BitDepth::Eight)
     }
 
@@ -140,7 +140,7 @@ pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> 
 }
 
 /// Returns true if a file begins as a PNG that carries a scene of flipmap's; its pixels are not read.
-pub fn carries_scene(file: impl BufRead + Seek) -> bool {
+pub(crate) fn carries_scene(file: impl BufRead + Seek) -> bool {
     let reader = png::Decoder::new(file).read_info();
     reader.is_ok_and(|reader| reader.info().utf8_text.iter().any(|text| text.keyword == KEYWORD))
 }

@@ -39,7 +39,7 @@ const AHEAD: usize = 2;
 
 /// Number of samples of a pass over a picture of `size` pixels, after those in the pixels' middles that a
 /// first run computes in adaptive sampling.
-pub fn pass_samples(document: &Document, size: [u32; 2], pass: &SinkPass) -> [u64; 2] {
+pub(crate) fn pass_samples(document: &Document, size: [u32; 2], pass: &SinkPass) -> [u64; 2] {
     let count = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     let middles = if is_adaptive(document, pass) { count(size) } else { 0 };
     [middles, count(pass.sampling.grid_size(size))]

@@ -13,7 +13,7 @@ pub struct RowOrder {
 
 impl RowOrder {
     /// Expects bands from this row on.
-    pub fn from(next_row: u32) -> Self {
+    pub(crate) fn from(next_row: u32) -> Self {
         RowOrder { next_row, waiting: BTreeMap::new() }
     }
 

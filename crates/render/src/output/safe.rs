@@ -104,7 +104,7 @@ impl SafeFile {
     }
 
     /// Path of a file that will be renamed, for another program to write to.
-    pub fn beside(&self) -> Option<&Path> {
+    pub(crate) fn beside(&self) -> Option<&Path> {
         match self {
             SafeFile::Beside(_, beside, _) => Some(beside),
             SafeFile::Device(_) => None,

@@ -260,7 +260,7 @@ impl Sinks {
     }
 
     /// Passes the samples in the middles of all pixels to the outputs of a pass over their corners.
-    pub fn write_middles(
+    pub(crate) fn write_middles(
         &mut self,
         pass: &SinkPass,
         plain: &Arc<PlainPixels>,

@@ -11,7 +11,7 @@ use super::SafeFile;
 
 /// A file that is written in any order. What goes to a stream, which cannot seek, waits in an
 /// unnamed temporary file until it is complete.
-pub struct Spool {
+pub(crate) struct Spool {
     file: BufWriter<File>,
     then: Then,
 }
@@ -24,7 +24,7 @@ enum Then {
 
 impl Spool {
     /// A spool for a destination to which nothing has been written.
-    pub fn new(destination: SafeFile) -> io::Result<Self> {
+    pub(crate) fn new(destination: SafeFile) -> io::Result<Self> {
         Ok(match destination {
             SafeFile::Beside(file, beside, path) => {
                 Spool { file, then: Then::Rename(beside, path) }
@@ -37,7 +37,7 @@ impl Spool {
     }
 
     /// Returns the destination with everything in it.
-    pub fn into_file(self) -> io::Result<SafeFile> {
+    pub(crate) fn into_file(self) -> io::Result<SafeFile> {
         let Spool { mut file, then } = self;
         match then {
             Then::Rename(beside, path) => Ok(SafeFile::Beside(file, beside, path)),

@@ -16,7 +16,7 @@ const COLOURS: [(Trust, Rgb); 5] = [
 ];
 
 /// RGB bytes of samples by their trust; forbidden samples are coloured as in any picture.
-pub fn trust_colours(samples: &Samples) -> Vec<u8> {
+pub(crate) fn trust_colours(samples: &Samples) -> Vec<u8> {
     let colour = |(index, status): (usize, Status)| match status {
         Status::Forbidden => Ground::LIGHT.forbidden,
         _ => COLOURS[samples.trust(index) as usize].1,

@@ -28,7 +28,7 @@ const EDGE: f32 = 6.0;
 
 /// The plain pixels of a picture, and the sample of each.
 #[derive(Clone, Debug)]
-pub struct PlainPixels {
+pub(crate) struct PlainPixels {
     /// A sample for each pixel, row by row from the top.
     samples: Samples,
     /// The colours of these samples.
@@ -46,7 +46,7 @@ pub struct PlainPixels {
 impl PlainPixels {
     /// Finds the plain pixels of a checked scene in `size` pixels and `colours`, whose `others` have more
     /// samples; none once `go_on`, which takes the counts so far, returns false.
-    pub fn find(
+    pub(crate) fn find(
         renderer: &mut Renderer,
         (scene, cells): (&Scene, Cells),
         size: [u32; 2],
@@ -62,7 +62,7 @@ impl PlainPixels {
     }
 
     /// The plain ones among the pixels of a picture of `size` with these samples in their middles.
-    pub fn among(
+    pub(crate) fn among(
         samples: Samples,
         size: [u32; 2],
         colours: &AnswerColours,
@@ -80,12 +80,12 @@ impl PlainPixels {
     }
 
     /// The samples in the middles of all pixels, row by row from the top.
-    pub fn middles(&self) -> &Samples {
+    pub(crate) fn middles(&self) -> &Samples {
         &self.samples
     }
 
     /// The colour of a pixel's middle, by the pixel's index.
-    pub fn tint(&self, pixel: usize) -> Tint {
+    pub(crate) fn tint(&self, pixel: usize) -> Tint {
         self.tints[pixel]
     }
 
@@ -113,7 +113,7 @@ impl PlainPixels {
 
     /// Returns true if a corner, by its column and row among all corners, has a sample: that of a pixel
     /// that is not plain.
-    pub fn has_corner(&self, [x, y]: [u32; 2]) -> bool {
+    pub(crate) fn has_corner(&self, [x, y]: [u32; 2]) -> bool {
         self.has_corner[y as usize * (self.size[0] as usize + 1) + x as usize]
     }
 }

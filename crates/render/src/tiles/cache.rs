@@ -32,7 +32,7 @@ pub struct CachedCell {
 
 /// The samples that a cell may hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct SampleSet {
+pub(crate) struct SampleSet {
     /// Key of the physics.
     pub physics: usize,
     /// True if samples of times were computed only at edges, and the others follow from coarser ones.
@@ -44,7 +44,7 @@ type CacheKey = (SampleSet, Cell);
 
 /// Samples of a cell that were computed in a pass.
 #[derive(Clone, Debug)]
-pub struct CellSamples {
+pub(crate) struct CellSamples {
     /// Samples at the stride, row by row from the top.
     pub samples: Samples,
     /// Stride of the samples.
@@ -57,7 +57,7 @@ pub struct CellSamples {
 
 /// Computed cells by physics, within a budget of bytes.
 #[derive(Debug)]
-pub struct Cache {
+pub(crate) struct Cache {
     budget_bytes: usize,
     bytes: usize,
     known: HashMap<CacheKey, CachedCell>,
@@ -86,7 +86,7 @@ impl CachedCell {
     }
 
     /// Returns true if all samples are known to a budget.
-    pub fn is_complete(&self, budget_secs: f64) -> bool {
+    pub(crate) fn is_complete(&self, budget_secs: f64) -> bool {
         self.stride == Stride::ONE && self.budget_secs >= budget_secs
     }
 
@@ -111,7 +111,7 @@ impl CachedCell {
 
 impl Cache {
     /// Creates an empty cache.
-    pub fn new(budget_bytes: usize) -> Self {
+    pub(crate) fn new(budget_bytes: usize) -> Self {
         Cache {
             budget_bytes,
             bytes: 0,
@@ -123,24 +123,24 @@ impl Cache {
     }
 
     /// Number of bytes held.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.bytes
     }
 
     /// Number of cells with this many channels and without unfinished pendulums that fit at the
     /// same time.
-    pub fn room(&self, channels: usize) -> usize {
+    pub(crate) fn room(&self, channels: usize) -> usize {
         self.budget_bytes / (SAMPLES * Samples::bytes(channels))
     }
 
     /// Changes the budget. If it is smaller, all may fit only once fewer cells are wanted.
-    pub fn set_budget(&mut self, budget_bytes: usize) {
+    pub(crate) fn set_budget(&mut self, budget_bytes: usize) {
         self.budget_bytes = budget_bytes;
         self.shrink();
     }
 
     /// Returns a cell, if it is known, and counts it as used.
-    pub fn get(&mut self, set: SampleSet, cell: Cell) -> Option<&CachedCell> {
+    pub(crate) fn get(&mut self, set: SampleSet, cell: Cell) -> Option<&CachedCell> {
         self.clock += 1;
         let known = self.known.get_mut(&(set, cell))?;
         known.used = self.clock;
@@ -148,13 +148,13 @@ impl Cache {
     }
 
     /// Returns a cell, if it is known, without counting it as used.
-    pub fn peek(&self, set: SampleSet, cell: Cell) -> Option<&CachedCell> {
+    pub(crate) fn peek(&self, set: SampleSet, cell: Cell) -> Option<&CachedCell> {
         self.known.get(&(set, cell))
     }
 
     /// Replaces the wanted cells, which are not removed and count as used; all others may be
     /// removed. There must not be more of them than [`Cache::room`].
-    pub fn want(&mut self, cells: impl Iterator<Item = (SampleSet, Cell)>) {
+    pub(crate) fn want(&mut self, cells: impl Iterator<Item = (SampleSet, Cell)>) {
         self.wanted = cells.collect();
         self.clock += 1;
         for key in &self.wanted {
@@ -166,7 +166,7 @@ impl Cache {
     }
 
     /// Stores a cell's samples in place of earlier ones.
-    pub fn insert(
+    pub(crate) fn insert(
         &mut self,
         set: SampleSet,
         cell: Cell,

@@ -39,7 +39,7 @@ impl Moments {
     }
 
     /// The pendulums of some rows of that picture.
-    pub fn of_rows(
+    pub(crate) fn of_rows(
         scene: &Scene,
         size: [u32; 2],
         config: IntegratorConfig,
@@ -92,7 +92,7 @@ impl Moments {
     }
 
     /// Number of pendulums that still move.
-    pub fn moving(&self) -> usize {
+    pub(crate) fn moving(&self) -> usize {
         self.batches.iter().map(|batch| batch.places.len()).sum()
     }
 

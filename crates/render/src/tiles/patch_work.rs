@@ -17,7 +17,7 @@ use flipmap_scene::question::Ask;
 const MOST_IN_JOB: usize = 1024;
 
 /// The computation of patches of one pendulum.
-pub struct PatchWork {
+pub(crate) struct PatchWork {
     scene: Scene,
     question: Question,
     config: IntegratorConfig,
@@ -29,7 +29,11 @@ pub struct PatchWork {
 
 impl PatchWork {
     /// Creates the work for patches of a checked scene, whose view does not matter.
-    pub fn new(scene: &Scene, config: IntegratorConfig, cells: impl Iterator<Item = Cell>) -> Self {
+    pub(crate) fn new(
+        scene: &Scene,
+        config: IntegratorConfig,
+        cells: impl Iterator<Item = Cell>,
+    ) -> Self {
         PatchWork {
             scene: scene.clone(),
             question: Question::from(scene),
@@ -42,7 +46,7 @@ impl PatchWork {
     }
 
     /// Works until patches have finished or `deadline` has come, and returns the finished patches.
-    pub fn work(
+    pub(crate) fn work(
         &mut self,
         engine: &mut dyn Engine,
         deadline: Instant,
@@ -58,12 +62,12 @@ impl PatchWork {
     }
 
     /// Returns true if no patch is waiting or in flight.
-    pub fn is_done(&self) -> bool {
+    pub(crate) fn is_done(&self) -> bool {
         self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
     /// Returns the counts of all that has been done so far.
-    pub fn counts(&self) -> Counts {
+    pub(crate) fn counts(&self) -> Counts {
         self.counts
     }
 

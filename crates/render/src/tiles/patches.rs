@@ -10,23 +10,23 @@ use flipmap_scene::lattice::{Cell, DEEPEST, side_rad};
 use flipmap_scene::{Grid, Scene, Turn};
 
 /// Samples along each side of a patch.
-pub const PATCH_SIDE: u32 = 16;
+pub(crate) const PATCH_SIDE: u32 = 16;
 /// Samples in a patch.
-pub const PATCH_SAMPLES: usize = (PATCH_SIDE * PATCH_SIDE) as usize;
+pub(crate) const PATCH_SAMPLES: usize = (PATCH_SIDE * PATCH_SIDE) as usize;
 /// Factor by which samples may lie farther apart than required. Levels differ by a factor of two,
 /// so that samples lie farther apart than required as often as closer.
-pub const SLACK: f64 = std::f64::consts::SQRT_2;
+pub(crate) const SLACK: f64 = std::f64::consts::SQRT_2;
 /// Width in pixels of the margin around a frame that counts as seen.
 const MARGIN_PIXELS: f64 = 1.5;
 
 /// Distance between a level's samples in rad.
-pub fn patch_pitch_rad(level: u32) -> f64 {
+pub(crate) fn patch_pitch_rad(level: u32) -> f64 {
     side_rad(level) / f64::from(PATCH_SIDE)
 }
 
 /// The part of the plane that a frame shows, and the distance between samples that it requires.
 #[derive(Clone, Debug)]
-pub struct Sight {
+pub(crate) struct Sight {
     center: [Turn; 2],
     /// Unit vectors to the right and up.
     axes: [[f64; 2]; 2],
@@ -38,7 +38,7 @@ pub struct Sight {
 
 impl Sight {
     /// Creates the sight of a frame of `size` pixels, each with `samples` × `samples` samples.
-    pub fn new(scene: &Scene, size: [u32; 2], samples: u32) -> Self {
+    pub(crate) fn new(scene: &Scene, size: [u32; 2], samples: u32) -> Self {
         let [right, up] = Grid::new(scene, size).pixel_axes();
         let length = |by: [f64; 2]| by[0].hypot(by[1]);
         let unit = |by: [f64; 2]| by.map(|part| part / length(by));
@@ -52,7 +52,7 @@ impl Sight {
     }
 
     /// Required distance between samples in rad.
-    pub fn pitch_rad(&self) -> f64 {
+    pub(crate) fn pitch_rad(&self) -> f64 {
         self.pitch_rad
     }
 
@@ -63,7 +63,7 @@ impl Sight {
 
     /// Returns the level whose samples lie as close as required, neither much farther apart nor
     /// much closer.
-    pub fn level(&self) -> u32 {
+    pub(crate) fn level(&self) -> u32 {
         (0..DEEPEST).find(|level| !self.wants_finer(*level)).unwrap_or(DEEPEST)
     }
 
@@ -92,13 +92,13 @@ impl Sight {
 }
 
 /// The shortest way around the torus from one place to another, rad.
-pub fn offset_rad(to: [Turn; 2], from: [Turn; 2]) -> [f64; 2] {
+pub(crate) fn offset_rad(to: [Turn; 2], from: [Turn; 2]) -> [f64; 2] {
     let half = Turn::from_f64(0.5);
     [0, 1].map(|i| ((to[i] - from[i] + half).wrapped() - half).to_f64() * std::f64::consts::TAU)
 }
 
 /// Returns the patches of a film's frames, depth first in the order of [`Cell::children`].
-pub fn patches(sights: &[Sight]) -> Vec<Cell> {
+pub(crate) fn patches(sights: &[Sight]) -> Vec<Cell> {
     let mut found = Vec::new();
     descend(Cell::WHOLE, &sights.iter().collect::<Vec<_>>(), sights, &mut found);
     found
@@ -116,7 +116,7 @@ fn descend(cell: Cell, near: &[&Sight], all: &[Sight], found: &mut Vec<Cell>) {
 }
 
 /// Returns the patches that have to be computed: only one of a cell and its mirror image.
-pub fn canonical(patches: &[Cell]) -> Vec<Cell> {
+pub(crate) fn canonical(patches: &[Cell]) -> Vec<Cell> {
     let mut seen = HashSet::new();
     let canonical = patches.iter().map(|cell| cell.canonical().0);
     canonical.filter(|cell| seen.insert(*cell)).collect()

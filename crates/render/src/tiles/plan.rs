@@ -13,7 +13,7 @@ pub struct Tile {
 
 impl Tile {
     /// The column and row of a pixel, by its place among [`Tile::pixels`].
-    pub fn pixel(&self, place: u32) -> [u32; 2] {
+    pub(crate) fn pixel(&self, place: u32) -> [u32; 2] {
         let ([x, y], width) = (self.origin, self.size[0]);
         [x + place % width, y + place / width]
     }

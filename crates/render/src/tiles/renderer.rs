@@ -114,7 +114,12 @@ impl Renderer {
     }
 
     /// The work of other samples of that picture's pixels.
-    pub fn sampled_work(&mut self, scene: &Scene, size: [u32; 2], sampling: Sampling) -> Work {
+    pub(crate) fn sampled_work(
+        &mut self,
+        scene: &Scene,
+        size: [u32; 2],
+        sampling: Sampling,
+    ) -> Work {
         let tile_pixels = self.engine().job_size();
         Work::sampled(&scene.clone().settled(), (size, sampling), self.config, tile_pixels)
     }

@@ -39,7 +39,7 @@ impl Samples {
     }
 
     /// Returns true if every sample has `channels` values and a trust; those read from a file may not.
-    pub fn are_whole(&self, channels: usize) -> bool {
+    pub(crate) fn are_whole(&self, channels: usize) -> bool {
         let count = self.len();
         self.trusts.len() == count && self.values.len() == count * channels
     }
@@ -79,7 +79,7 @@ impl Samples {
     }
 
     /// Replaces the outcomes of the samples at `places`, whose only channel is a time.
-    pub fn set_all(&mut self, places: &[u32], outcomes: &[Outcome]) {
+    pub(crate) fn set_all(&mut self, places: &[u32], outcomes: &[Outcome]) {
         // Shares of rising places lie apart, so that each thread has samples of its own.
         let share = if places.is_sorted() { SHARE } else { places.len().max(1) };
         let (mut statuses, mut times) = (&mut self.statuses[..], &mut self.values[..]);
@@ -128,7 +128,7 @@ impl Samples {
     }
 
     /// Marks every sample that was sure.
-    pub fn distrust(&mut self) {
+    pub(crate) fn distrust(&mut self) {
         for trust in &mut self.trusts {
             if *trust != Trust::Unchecked {
                 *trust = Trust::Uncertain;
@@ -137,7 +137,7 @@ impl Samples {
     }
 
     /// Returns a copy of the samples at `places`.
-    pub fn part(&self, places: Range<usize>) -> Self {
+    pub(crate) fn part(&self, places: Range<usize>) -> Self {
         let channels = self.channels();
         Samples {
             statuses: self.statuses[places.clone()].to_vec(),
@@ -186,7 +186,7 @@ impl Samples {
     }
 
     /// Size in bytes of a sample with this many channels.
-    pub const fn bytes(channels: usize) -> usize {
+    pub(crate) const fn bytes(channels: usize) -> usize {
         size_of::<Status>() + channels * size_of::<f64>() + size_of::<Trust>()
     }
 }
@@ -238,7 +238,7 @@ pub struct Counts {
 
 impl Counts {
     /// Adds finished samples to the counts.
-    pub fn add(&mut self, samples: &Samples) {
+    pub(crate) fn add(&mut self, samples: &Samples) {
         let shares = samples.statuses.par_chunks(SHARE).zip(samples.trusts.par_chunks(SHARE));
         let (statuses, trusts) = shares.map(counted).reduce(Default::default, |one, other| {
             let sum = |i: usize| one.0[i] + other.0[i];

@@ -20,7 +20,7 @@ pub struct SavedPixels {
 
 /// The result of an earlier run for a pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub enum SavedPixel {
+pub(crate) enum SavedPixel {
     /// Final outcome of a pixel that is done.
     Over(Outcome),
     /// State of a pixel that had not flipped.
@@ -29,7 +29,7 @@ pub enum SavedPixel {
 
 impl SavedPixels {
     /// Returns what is known of pixel `index`.
-    pub fn known(&self, index: u64) -> Option<SavedPixel> {
+    pub(crate) fn known(&self, index: u64) -> Option<SavedPixel> {
         // A question with more channels than a time has them set later.
         let over = self.values(index).map(|values| Outcome::flipped(values[0]));
         let failed = || {
@@ -41,12 +41,12 @@ impl SavedPixels {
     }
 
     /// Returns the channels of pixel `index` if it is done.
-    pub fn values(&self, index: u64) -> Option<&[f64]> {
+    pub(crate) fn values(&self, index: u64) -> Option<&[f64]> {
         self.over.get(&index).map(Vec::as_slice)
     }
 
     /// Saves the status and the channels of pixel `index`, which is done.
-    pub fn finish(&mut self, index: u64, status: Status, values: &[f64]) {
+    pub(crate) fn finish(&mut self, index: u64, status: Status, values: &[f64]) {
         self.paused.remove(&index);
         if status == Status::Flipped {
             self.over.insert(index, values.to_vec());
@@ -56,7 +56,7 @@ impl SavedPixels {
     }
 
     /// Saves the state of pixel `index`, which has not flipped.
-    pub fn pause(&mut self, index: u64, state: IntegratorState) {
+    pub(crate) fn pause(&mut self, index: u64, state: IntegratorState) {
         self.paused.insert(index, state);
     }
 

@@ -25,9 +25,9 @@ impl Stride {
     /// All samples.
     pub const ONE: Stride = Stride(1);
     /// A quarter of them.
-    pub const TWO: Stride = Stride(2);
+    pub(crate) const TWO: Stride = Stride(2);
     /// The strides of the passes over a cell, each with four times the samples of the one before.
-    pub const PASSES: [Stride; 4] = [Stride(8), Stride(4), Stride(2), Stride(1)];
+    pub(crate) const PASSES: [Stride; 4] = [Stride(8), Stride(4), Stride(2), Stride(1)];
 
     /// Number of places from one sample to the next.
     pub fn places(self) -> u32 {
@@ -45,12 +45,12 @@ impl Stride {
     }
 
     /// Number of samples in such a cell.
-    pub fn count(self, side: u32) -> u32 {
+    pub(crate) fn count(self, side: u32) -> u32 {
         self.side(side) * self.side(side)
     }
 
     /// Returns the column and row, among all places, of the sample with this index.
-    pub fn place(self, index: u32, side: u32) -> [u32; 2] {
+    pub(crate) fn place(self, index: u32, side: u32) -> [u32; 2] {
         [index % self.side(side), index / self.side(side)].map(|k| self.first() + k * self.0)
     }
 

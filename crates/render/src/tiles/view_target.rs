@@ -30,7 +30,7 @@ impl Physics {
     }
 
     /// Returns true if the mirror images of cells have equal samples.
-    pub fn mirrors(&self) -> bool {
+    pub(crate) fn mirrors(&self) -> bool {
         self.plane.is_symmetric() && self.question.ask.kind().is_even
     }
 

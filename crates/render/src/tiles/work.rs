@@ -64,7 +64,7 @@ impl Work {
     }
 
     /// Creates the work for other samples of that picture's pixels.
-    pub fn sampled(
+    pub(crate) fn sampled(
         scene: &Scene,
         (size, sampling): ([u32; 2], Sampling),
         config: IntegratorConfig,
@@ -79,7 +79,7 @@ impl Work {
     }
 
     /// Creates the work for some rows of those samples, without a mirror image of them.
-    pub fn of_rows(
+    pub(crate) fn of_rows(
         scene: &Scene,
         (size, sampling): ([u32; 2], Sampling),
         config: IntegratorConfig,
@@ -121,18 +121,18 @@ impl Work {
     }
 
     /// Continues from the pixels that an earlier run saved, and saves those that a later one needs.
-    pub fn keeping(mut self, kept: SavedPixels) -> Self {
+    pub(crate) fn keeping(mut self, kept: SavedPixels) -> Self {
         self.kept = Some(kept);
         self
     }
 
     /// Takes the samples of plain pixels as known; the run that found them counts as work.
-    pub fn sparing(self, plain: Arc<PlainPixels>) -> Self {
+    pub(crate) fn sparing(self, plain: Arc<PlainPixels>) -> Self {
         Work { plain: Some(plain), ..self }
     }
 
     /// Returns the saved pixels, which are complete once all is done.
-    pub fn into_kept(self) -> Option<SavedPixels> {
+    pub(crate) fn into_kept(self) -> Option<SavedPixels> {
         self.kept
     }
 
@@ -159,7 +159,7 @@ impl Work {
     }
 
     /// Number of channels of each sample.
-    pub fn channels(&self) -> usize {
+    pub(crate) fn channels(&self) -> usize {
         self.ask.kind().channels.len()
     }
 
@@ -168,19 +168,13 @@ impl Work {
         self.waiting.is_empty() && self.in_flight.is_empty()
     }
 
-    /// Cancels the jobs in flight and forgets the tiles that are not finished.
-    pub fn cancel(&mut self, engine: &mut dyn Engine) {
-        self.in_flight.cancel(engine);
-        self.waiting.clear();
-    }
-
     /// Returns the counts of the samples so far.
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
     /// Returns the counts of the picture, with all the work for it, once all is done.
-    pub fn totals(&self) -> Counts {
+    pub(crate) fn totals(&self) -> Counts {
         self.plain.as_ref().map_or(self.counts, |plain| plain.counts_with(self.counts))
     }
 
@@ -438,15 +432,6 @@ mod tests {
             }
         }
         assert_eq!(pixels, 1600);
-    }
-
-    #[test]
-    fn cancelled_work_is_done() {
-        let mut engine = MockEngine::default();
-        let mut work = Work::new(&scene(["1", "0"]), [64, 64], CONFIG, 64);
-        work.work(&mut engine, None).unwrap();
-        work.cancel(&mut engine);
-        assert!(work.is_done() && work.work(&mut engine, None).unwrap().is_empty());
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod builds;
 mod chaos;
 mod methods;
 mod orbits;
-pub mod tangent;
+pub(crate) mod tangent;
 mod top;
 mod views;
 
@@ -79,7 +79,7 @@ pub struct HardRow {
 
 impl HardRow {
     /// Measures `case` on the engine called `name`.
-    pub fn of(case: &HardCase, name: String, engine: &mut dyn Engine) -> Self {
+    pub(crate) fn of(case: &HardCase, name: String, engine: &mut dyn Engine) -> Self {
         let HardFinding { measured, held } = case.measure(&mut HardBench::new(Box::new(engine)));
         let HardCase { name: case, expected, why, .. } = *case;
         HardRow { case, engine: name, expected, why, measured, held }
@@ -123,10 +123,10 @@ pub fn cases() -> Vec<HardCase> {
 }
 
 /// The config that checks the others by another method.
-pub const TAYLOR: IntegratorConfig =
+pub(crate) const TAYLOR: IntegratorConfig =
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
 /// The lesson's method in f64 instead of f32.
-pub const LESSON: IntegratorConfig =
+pub(crate) const LESSON: IntegratorConfig =
     IntegratorConfig { method: Method::LESSON, precision: Precision::F64 };
 /// The engine under examination.
 pub struct HardBench<'a> {
@@ -188,7 +188,7 @@ fn home(rule: Rule, budget_secs: f64) -> Question {
 }
 
 /// Distance between two outcomes in seconds; infinite if their statuses differ.
-pub fn apart(a: &Outcome, b: &Outcome) -> f64 {
+pub(crate) fn apart(a: &Outcome, b: &Outcome) -> f64 {
     match (a.status, b.status) {
         (Status::Flipped, Status::Flipped) => (a.time - b.time).abs(),
         (a, b) if a == b => 0.0,
@@ -197,7 +197,7 @@ pub fn apart(a: &Outcome, b: &Outcome) -> f64 {
 }
 
 /// Largest distance between outcomes with the same index, s.
-pub fn farthest(a: &[Outcome], b: &[Outcome]) -> f64 {
+pub(crate) fn farthest(a: &[Outcome], b: &[Outcome]) -> f64 {
     a.iter().zip(b).map(|(a, b)| apart(a, b)).fold(0.0, f64::max)
 }
 

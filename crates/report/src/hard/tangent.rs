@@ -17,7 +17,7 @@ const STRETCH: f64 = 1.0;
 /// The finite-time Lyapunov spectrum of a release from rest at `angle` over `time`, largest first,
 /// per unit of time: the frame is carried along and made orthonormal at regular intervals (Benettin
 /// et al., Meccanica 15, 1980).
-pub fn spectrum(pendulum: &Pendulum<f64>, angle: [f64; 2], time: f64) -> [f64; 4] {
+pub(crate) fn spectrum(pendulum: &Pendulum<f64>, angle: [f64; 2], time: f64) -> [f64; 4] {
     let mut phase = pendulum.phase(&State::rest(angle));
     let mut frame: TangentFrame =
         std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));

@@ -68,14 +68,14 @@ impl Palette {
     }
 
     /// Name of the palette that is used where none is chosen.
-    pub const DEFAULT: &str = "iris";
+    pub(crate) const DEFAULT: &str = "iris";
     /// Name of the palette that pictures of the first versions record where none was chosen.
     const FIRST_DEFAULT: &str = "batlow";
     /// Name of a palette whose end is its beginning.
     pub const CYCLIC: &str = "romao";
 
     /// Name of a palette from dark to bright.
-    pub const DARK_TO_BRIGHT: &str = "magma";
+    pub(crate) const DARK_TO_BRIGHT: &str = "magma";
 
     /// The palette called `name`, or that of a list of colours (see [`gradient::parse_list`]).
     pub fn named(name: &str) -> Result<Self, SceneError> {
@@ -123,7 +123,7 @@ impl Palette {
     }
 
     /// The colour at `position` in [0, 1], from early to late, mixed from the two nearest entries.
-    pub fn tint(&self, position: f64) -> Tint {
+    pub(crate) fn tint(&self, position: f64) -> Tint {
         let last = self.table.len() - 1;
         // A NaN has the first colour.
         let place = if position > 0.0 { position.min(1.0) * last as f64 } else { 0.0 };

@@ -33,7 +33,7 @@ impl Relief {
     /// The factor of the colour's light at a place whose height rises by this much from one sample to
     /// the next, to the right and up the picture, and differs by at most `most` from its neighbours'.
     /// `across` samples lie side by side in the picture. Counterpart in shaders/picture.wgsl.
-    pub fn factor(&self, rise: [f32; 2], most: f32, across: f32) -> f32 {
+    pub(crate) fn factor(&self, rise: [f32; 2], most: f32, across: f32) -> f32 {
         let calm = 1.0 - most / Self::EDGE;
         if calm.is_nan() || calm <= 0.0 {
             return 1.0;

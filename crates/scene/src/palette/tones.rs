@@ -75,7 +75,7 @@ impl Tones {
     }
 
     /// Position of a time in the palette, in [0, 1].
-    pub fn position(&self, secs: f64) -> f64 {
+    pub(crate) fn position(&self, secs: f64) -> f64 {
         self.position_at(self.scale.height(secs))
     }
 
@@ -91,7 +91,7 @@ impl Tones {
     }
 
     /// The time at a share of the range, in s: the number that a legend writes beside its colours.
-    pub fn secs_at(&self, share: f64) -> f64 {
+    pub(crate) fn secs_at(&self, share: f64) -> f64 {
         self.scale.secs_at(share)
     }
 
@@ -101,12 +101,12 @@ impl Tones {
     }
 
     /// The colour of a time in s, between those of its palette.
-    pub fn tint_at(&self, secs: f64) -> Tint {
+    pub(crate) fn tint_at(&self, secs: f64) -> Tint {
         self.palette.tint(self.position(secs))
     }
 
     /// The colour of a time in s.
-    pub fn colour_at(&self, secs: f64) -> Rgb {
+    pub(crate) fn colour_at(&self, secs: f64) -> Rgb {
         rounded(self.tint_at(secs))
     }
 

@@ -244,7 +244,7 @@ impl Ask {
     }
 
     /// The bobs that are watched in a scene with this rule.
-    pub fn watched(self, rule: Rule) -> Rule {
+    pub(crate) fn watched(self, rule: Rule) -> Rule {
         match self.kind().watches {
             Watches::TheRule => rule,
             Watches::Always(rule) => rule,
@@ -252,7 +252,7 @@ impl Ask {
     }
 
     /// The channel of this name.
-    pub fn channel(self, name: &str) -> Option<usize> {
+    pub(crate) fn channel(self, name: &str) -> Option<usize> {
         self.kind().channels.iter().position(|channel| channel.name == name)
     }
 
@@ -262,7 +262,7 @@ impl Ask {
     }
 
     /// A phrase with the names of all questions.
-    pub const NAMES: &str = "the questions are flip, first, flips, state, growth and return";
+    pub(crate) const NAMES: &str = "the questions are flip, first, flips, state, growth and return";
 }
 
 impl fmt::Display for Ask {

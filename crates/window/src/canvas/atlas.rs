@@ -5,11 +5,11 @@ use std::collections::HashMap;
 /// Number of slots along a side of a layer (counterpart in shaders/picture.wgsl).
 pub const SLOTS_ALONG: u32 = 16;
 /// Number of slots in a layer.
-pub const SLOTS_IN_LAYER: u32 = SLOTS_ALONG * SLOTS_ALONG;
+pub(crate) const SLOTS_IN_LAYER: u32 = SLOTS_ALONG * SLOTS_ALONG;
 
 /// Slots by the serial numbers of the samples in them; the least recently used is evicted first.
 #[derive(Debug)]
-pub struct Atlas {
+pub(crate) struct Atlas {
     slots: HashMap<u64, AtlasSlot>,
     free: Vec<u32>,
     frame: u64,
@@ -23,7 +23,7 @@ struct AtlasSlot {
 
 /// The slot of some samples, and whether they are already in it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AtlasPlace {
+pub(crate) enum AtlasPlace {
     /// The samples are already in this slot.
     There(u32),
     /// The samples must first be uploaded to this slot.
@@ -32,18 +32,18 @@ pub enum AtlasPlace {
 
 impl Atlas {
     /// Creates an empty atlas of `layers` layers.
-    pub fn new(layers: u32) -> Self {
+    pub(crate) fn new(layers: u32) -> Self {
         let free = (0..layers * SLOTS_IN_LAYER).rev().collect();
         Atlas { slots: HashMap::new(), free, frame: 0 }
     }
 
     /// Begins a new frame: slots used from now on are not evicted before the next one.
-    pub fn begin_frame(&mut self) {
+    pub(crate) fn begin_frame(&mut self) {
         self.frame += 1;
     }
 
     /// Returns a slot for the samples with this serial number; none if this frame uses all slots.
-    pub fn place(&mut self, serial: u64) -> Option<AtlasPlace> {
+    pub(crate) fn place(&mut self, serial: u64) -> Option<AtlasPlace> {
         if let Some(slot) = self.slots.get_mut(&serial) {
             slot.used = self.frame;
             return Some(AtlasPlace::There(slot.index));

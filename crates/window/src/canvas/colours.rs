@@ -49,7 +49,7 @@ pub fn colours(
 
 /// Returns the same while the colours glide: those of `shown`, whose times are on their way to the
 /// picture's.
-pub fn gliding_colours(
+pub(crate) fn gliding_colours(
     picture: &PictureTable,
     shown: &PictureTable,
     scene: &Scene,

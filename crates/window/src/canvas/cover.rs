@@ -11,7 +11,7 @@ use flipmap_scene::lattice::{Cell, Placed, SIDE, side_rad};
 
 /// A part of a tile's samples, drawn as a parallelogram on the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Patch {
+pub(crate) struct Patch {
     /// The cell whose samples are drawn, or those of its mirror image.
     pub source: Cell,
     /// Set that the samples belong to.
@@ -42,7 +42,7 @@ impl Patch {
 
 /// The samples that a patch may show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PatchSet {
+pub(crate) enum PatchSet {
     /// Samples of the previous target's physics.
     Before,
     /// Samples of the target.
@@ -54,7 +54,7 @@ pub enum PatchSet {
 impl PatchSet {
     /// Returns what is known of a cell in the set, and true if the samples are those of its mirror
     /// image, in reverse order.
-    pub fn known(self, explorer: &mut Explorer, cell: Cell) -> Option<(&CachedCell, bool)> {
+    pub(crate) fn known(self, explorer: &mut Explorer, cell: Cell) -> Option<(&CachedCell, bool)> {
         match self {
             PatchSet::Before => explorer.known_before(cell),
             PatchSet::Own => explorer.known(cell),
@@ -68,7 +68,7 @@ const FINER_LEVELS: u32 = 2;
 
 /// Returns the patches of every cell of a screen at its level, in drawing order; new ones appear
 /// gradually. Those of finer samples replace others where they are known, down `finer_levels` levels.
-pub fn cover(
+pub(crate) fn cover(
     screen: &Screen,
     explorer: &mut Explorer,
     fading: &mut Fading,
@@ -138,7 +138,7 @@ fn children(placed: &Placed) -> [Placed; 4] {
 
 /// The patches that show a cell.
 #[derive(Debug)]
-pub struct CoveredCell {
+pub(crate) struct CoveredCell {
     /// The patches in drawing order.
     pub patches: Vec<Patch>,
     /// True if they cover the whole cell.

@@ -35,7 +35,7 @@ impl Fading {
     }
 
     /// Returns true if a tile of the frame has not yet fully appeared.
-    pub fn is_running(&self) -> bool {
+    pub(crate) fn is_running(&self) -> bool {
         self.running
     }
 

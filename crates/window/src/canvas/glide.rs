@@ -19,7 +19,7 @@ pub struct Glide {
 impl Glide {
     /// Returns the picture that is shown at a moment of the window's clock, while its colours are on
     /// their way to `scale`, their own; none once they are there, or if nothing moves.
-    pub fn shown(
+    pub(crate) fn shown(
         &mut self,
         picture: &PictureTable,
         scale: &TimeScale,
@@ -41,7 +41,7 @@ impl Glide {
     }
 
     /// Returns true while the colours are on their way.
-    pub fn is_under_way(&self) -> bool {
+    pub(crate) fn is_under_way(&self) -> bool {
         self.from.is_some()
     }
 

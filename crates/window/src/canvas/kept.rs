@@ -11,7 +11,7 @@ use super::pipeline::{CellQuads, MapFrame, Quad, Uniforms};
 use crate::camera::Screen;
 
 /// The kept picture.
-pub struct KeptPicture {
+pub(crate) struct KeptPicture {
     pipeline: wgpu::RenderPipeline,
     format: wgpu::TextureFormat,
     target: Option<KeptTarget>,
@@ -36,7 +36,7 @@ struct Content {
 
 /// The surface that a frame draws on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DrawingSurface {
+pub(crate) enum DrawingSurface {
     /// The window.
     Window,
     /// The picture, of which nothing stays.
@@ -47,7 +47,7 @@ pub enum DrawingSurface {
 
 /// The drawing that a frame needs.
 #[derive(Debug, PartialEq)]
-pub struct Changes {
+pub(crate) struct Changes {
     /// Quads of the cells that have changed, in drawing order.
     pub quads: Vec<Quad>,
     /// Surface that they are drawn on.
@@ -74,13 +74,13 @@ impl Content {
 
 impl KeptPicture {
     /// Creates an empty picture that will be shown on targets of a format.
-    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         let (pipeline, content) = (pipeline(device, format), Content::default());
         KeptPicture { pipeline, format, target: None, content }
     }
 
     /// Takes a frame as what is shown from now on, and returns what has to be drawn.
-    pub fn take(&mut self, device: &wgpu::Device, frame: &MapFrame) -> Changes {
+    pub(crate) fn take(&mut self, device: &wgpu::Device, frame: &MapFrame) -> Changes {
         let most = device.limits().max_texture_dimension_2d;
         let size_px = frame.size_px.map(|side| side.clamp(1, most));
         if self.target.as_ref().is_none_or(|target| target.size_px != size_px) {
@@ -115,7 +115,7 @@ impl KeptPicture {
     }
 
     /// Begins a pass that draws into the picture; none before the first frame.
-    pub fn pass<'a>(
+    pub(crate) fn pass<'a>(
         &self,
         encoder: &'a mut wgpu::CommandEncoder,
         clears: bool,
@@ -136,7 +136,7 @@ impl KeptPicture {
     }
 
     /// Shows the picture in the viewport of a pass.
-    pub fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub(crate) fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
         let Some(target) = &self.target else { return };
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &target.bindings, &[]);

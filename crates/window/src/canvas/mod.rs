@@ -9,12 +9,12 @@
 
 pub mod atlas;
 pub mod colours;
-pub mod cover;
-pub mod fading;
-pub mod glide;
-pub mod kept;
+pub(crate) mod cover;
+pub(crate) mod fading;
+pub(crate) mod glide;
+pub(crate) mod kept;
 pub mod pipeline;
-pub mod sample;
+pub(crate) mod sample;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -6,11 +6,11 @@ use flipmap_render::tiles::Samples;
 use flipmap_scene::palette::{AnswerColours, TimeScale};
 
 /// Offset of the stored logarithms: they count from 2^-32 s (counterpart in the shader).
-pub const LOG_BIAS: f64 = 32.0;
+pub(crate) const LOG_BIAS: f64 = 32.0;
 /// Number of steps of the stored logarithms per octave.
-pub const LOG_STEPS: f64 = (1 << 21) as f64;
+pub(crate) const LOG_STEPS: f64 = (1 << 21) as f64;
 /// Number of steps of the stored heights.
-pub const HEIGHT_STEPS: f64 = ((1 << 27) - 1) as f64;
+pub(crate) const HEIGHT_STEPS: f64 = ((1 << 27) - 1) as f64;
 
 /// Content of the words of samples beside status and trust.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,7 @@ pub enum WordKind {
 
 impl WordKind {
     /// The words of samples in order.
-    pub fn words(&self, samples: &Samples) -> Vec<u32> {
+    pub(crate) fn words(&self, samples: &Samples) -> Vec<u32> {
         let word = |place: usize| match self {
             WordKind::Times => word_of(&samples.get(place), samples.trust(place)),
             WordKind::Heights(channel, scale) => {
@@ -48,7 +48,7 @@ impl WordKind {
 
 /// Packs the status into the lowest two bits, trust into the next three, and the logarithm of the
 /// time into the rest: finer than any colour, and nothing for the card to work out.
-pub fn word_of(outcome: &Outcome, trust: Trust) -> u32 {
+pub(crate) fn word_of(outcome: &Outcome, trust: Trust) -> u32 {
     // Outcomes without a time have a logarithm of −∞, which becomes 0.
     packed((outcome.time.log2() + LOG_BIAS) * LOG_STEPS, trust, outcome.status)
 }

@@ -4,11 +4,11 @@ use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
 
 /// Largest difference of flip times, in seconds, that still counts as the same.
-pub const TOLERATED_SECS: f64 = 1e-3;
+pub(crate) const TOLERATED_SECS: f64 = 1e-3;
 
 /// The result of comparing two outcomes of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Agreement {
+pub(crate) enum Agreement {
     /// Equal statuses, and flip times within [`TOLERATED_SECS`].
     Same,
     /// Two flips at times that differ by this many seconds.
@@ -19,7 +19,7 @@ pub enum Agreement {
 
 impl Agreement {
     /// Compares the map's outcome with that of the gold standard.
-    pub fn of(told: &Outcome, flown: &Outcome<Dd>) -> Self {
+    pub(crate) fn of(told: &Outcome, flown: &Outcome<Dd>) -> Self {
         if told.status != flown.status {
             return Agreement::OtherStatus;
         }

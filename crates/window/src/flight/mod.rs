@@ -5,25 +5,26 @@
 //! and wakes the window; they are stored as polynomials ([`motion`]), so that any moment can be
 //! shown at once. [`playback`] is the clock by which a flight is watched.
 
-pub mod agreement;
-pub mod motion;
-pub mod pilot;
-pub mod playback;
-pub mod record;
-pub mod trail;
+pub(crate) mod agreement;
+pub(crate) mod motion;
+pub(crate) mod pilot;
+pub(crate) mod playback;
+pub(crate) mod record;
+pub(crate) mod trail;
 
 use std::sync::mpsc::{self, Receiver, TryRecvError};
 
-pub use self::agreement::Agreement;
-pub use self::playback::Playback;
-pub use self::record::{FlightEnding, Flip, Record, Track};
-pub use self::trail::Trail;
+pub(crate) use self::agreement::Agreement;
+pub(crate) use self::playback::Playback;
+pub(crate) use self::record::Record;
+pub(crate) use self::record::{FlightEnding, Track};
+pub(crate) use self::trail::Trail;
 use flipmap_engine::Question;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Launch, Outcome, Pendulum, Status};
 
 /// Shortest simulated duration of a flight, whatever the budget, in seconds.
-pub const LEAST_SECS: f64 = 30.0;
+pub(crate) const LEAST_SECS: f64 = 30.0;
 
 /// One flight, as far as it has come.
 #[derive(Debug)]
@@ -38,7 +39,7 @@ pub struct Flight {
 impl Flight {
     /// Releases a pendulum at the first start and its ghost at the second. The flight's thread calls `wake` whenever [`Flight::receive`] has something to take. The
     /// thread ends with the flight, or soon after the flight is dropped.
-    pub fn launch(
+    pub(crate) fn launch(
         question: Question,
         starts: [Launch; 2],
         wake: impl Fn() + Send + 'static,
@@ -62,7 +63,7 @@ impl Flight {
     }
 
     /// Takes the parts handed over since the last call; returns true if there were any.
-    pub fn receive(&mut self) -> bool {
+    pub(crate) fn receive(&mut self) -> bool {
         let mut any = false;
         while self.record.ending.is_none() {
             match self.incoming.try_recv() {
@@ -83,7 +84,7 @@ impl Flight {
     }
 
     /// Returns the flight's question.
-    pub fn question(&self) -> &Question {
+    pub(crate) fn question(&self) -> &Question {
         &self.question
     }
 
@@ -93,7 +94,7 @@ impl Flight {
     }
 
     /// Returns the gold standard's outcome of the neighbouring pixel.
-    pub fn ghost_outcome(&self) -> Option<Outcome<Dd>> {
+    pub(crate) fn ghost_outcome(&self) -> Option<Outcome<Dd>> {
         self.outcome_of(&self.record.ghost, self.forbidden[1])
     }
 

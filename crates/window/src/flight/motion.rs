@@ -56,32 +56,28 @@ pub struct Motion {
 
 impl Motion {
     /// Appends a step, cut off at `until_secs`.
-    pub fn push(&mut self, step: &TaylorStep<Dd>, until_secs: f64) {
+    pub(crate) fn push(&mut self, step: &TaylorStep<Dd>, until_secs: f64) {
         self.pieces.push(MotionPiece::new(step, step.end().hi.min(until_secs)));
     }
 
     /// Appends a later part of the same motion.
-    pub fn append(&mut self, mut later: Motion) {
+    pub(crate) fn append(&mut self, mut later: Motion) {
         self.pieces.append(&mut later.pieces);
     }
 
     /// Number of steps stored.
-    pub fn len(&self) -> usize {
+    #[cfg(test)]
+    pub(crate) fn len(&self) -> usize {
         self.pieces.len()
     }
 
-    /// Returns true if nothing is known yet.
-    pub fn is_empty(&self) -> bool {
-        self.pieces.is_empty()
-    }
-
     /// Seconds from the release to the end of the known motion.
-    pub fn end_secs(&self) -> f64 {
+    pub(crate) fn end_secs(&self) -> f64 {
         self.pieces.last().map_or(0.0, |piece| piece.end_secs)
     }
 
     /// Returns the state `secs` after the release; none outside the known motion.
-    pub fn state_at(&self, secs: f64) -> Option<State<f64>> {
+    pub(crate) fn state_at(&self, secs: f64) -> Option<State<f64>> {
         let after = self.pieces.partition_point(|piece| piece.start_secs <= secs);
         let piece = self.pieces.get(after.checked_sub(1)?)?;
         (secs <= piece.end_secs).then(|| piece.state_at(secs))

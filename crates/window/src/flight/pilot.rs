@@ -13,11 +13,11 @@ use flipmap_pendulum::{Launch, Pendulum, Rule, State, oracle};
 /// Time for which results are gathered before they are handed over: about a frame.
 const GATHERED: Duration = Duration::from_millis(16);
 /// Greatest number of steps stored of one motion: seven minutes of the home pendulum, in 6 MiB.
-pub const MOST_STEPS: usize = 20_000;
+pub(crate) const MOST_STEPS: usize = 20_000;
 
 /// Integrates a pendulum from the first start and its ghost from the second up to `until_secs`;
 /// stops as soon as `hand_over` returns false.
-pub fn fly(
+pub(crate) fn fly(
     question: &Question,
     starts: [Launch; 2],
     until_secs: f64,

@@ -8,7 +8,7 @@ use flipmap_engine::{Accuracy, EngineKind, IntegratorConfig};
 
 /// The state shown in the panel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Computing {
+pub(crate) struct Computing {
     /// The integration setting: an accuracy level, or an explicit integrator config.
     pub setting: IntegrationSetting,
     /// The requested kind of engine.
@@ -34,7 +34,7 @@ fn promise(accuracy: Accuracy) -> &'static str {
 }
 
 /// Shows the levels and the engines; returns the user's actions.
-pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
+pub(crate) fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
     let mut actions = Vec::new();
     for (word, accuracy) in Accuracy::ALL {
         let chosen = computing.setting == IntegrationSetting::Accuracy(accuracy);
@@ -86,6 +86,6 @@ pub fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
 }
 
 /// Returns an integrator config in words.
-pub fn words(config: &IntegratorConfig) -> String {
+pub(crate) fn words(config: &IntegratorConfig) -> String {
     format!("{} {} in {}", config.method.name(), config.method.setting(), config.precision)
 }

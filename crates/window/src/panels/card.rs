@@ -22,7 +22,7 @@ const TEXT: [&str; 3] = [
 ];
 
 /// Shows the card; returns an action if it is closed.
-pub fn card(ctx: &egui::Context) -> Option<Action> {
+pub(crate) fn card(ctx: &egui::Context) -> Option<Action> {
     let mut closed = false;
     let window = Window::new(HEADING).collapsible(false).resizable(false).default_width(400.0);
     window.anchor(Align2::CENTER_CENTER, Vec2::ZERO).show(ctx, |ui| {

@@ -6,7 +6,7 @@ use flipmap_scene::Scene;
 
 /// The state shown in the panel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DescentView<'a> {
+pub(crate) struct DescentView<'a> {
     /// True if the descent is still running.
     pub going: bool,
     /// The views so far, the widest first.
@@ -15,7 +15,7 @@ pub struct DescentView<'a> {
 
 /// An action of the user in the panel.
 #[derive(Clone, Debug, PartialEq)]
-pub enum DescentAction {
+pub(crate) enum DescentAction {
     /// Starts a descent at the middle of the view, or stops it.
     Toggle,
     /// Opens the view with this index.
@@ -25,7 +25,7 @@ pub enum DescentAction {
 }
 
 /// Shows the descent; returns the user's actions.
-pub fn descent_panel(ui: &mut Ui, way: &DescentView) -> Vec<DescentAction> {
+pub(crate) fn descent_panel(ui: &mut Ui, way: &DescentView) -> Vec<DescentAction> {
     let mut actions = Vec::new();
     ui.label(
         "Follows the filament nearest to the middle of the view, or with D to the pointer, to \

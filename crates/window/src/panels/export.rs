@@ -38,11 +38,11 @@ pub enum ExportSubject {
 
 impl ExportSubject {
     /// All contents, each with its name and the extension of its files.
-    pub const ALL: [(&'static str, &'static str, ExportSubject); 2] =
+    pub(crate) const ALL: [(&'static str, &'static str, ExportSubject); 2] =
         [("picture", "png", ExportSubject::Png), ("raw numbers", "npy", ExportSubject::Raw)];
 
     /// Returns the extension of the files.
-    pub fn ending(self) -> &'static str {
+    pub(crate) fn ending(self) -> &'static str {
         Self::ALL[self as usize].1
     }
 }
@@ -99,7 +99,7 @@ impl Default for ExportForm {
 impl ExportForm {
     /// Follows the window: its map's size in pixels, unless another was chosen, and the samples of
     /// what is shown.
-    pub fn follow(&mut self, map_px: [u32; 2], picture: &PictureTable) {
+    pub(crate) fn follow(&mut self, map_px: [u32; 2], picture: &PictureTable) {
         (self.samples, self.adaptive) = (picture.samples, picture.adaptive);
         if self.as_window {
             self.size = map_px;
@@ -107,7 +107,7 @@ impl ExportForm {
     }
 
     /// Returns the reason why the export cannot begin, as a sentence; none if it can.
-    pub fn problem(&self) -> Option<String> {
+    pub(crate) fn problem(&self) -> Option<String> {
         if self.path.trim().is_empty() {
             return Some("Name the file to write.".to_string());
         }
@@ -120,7 +120,7 @@ impl ExportForm {
     }
 
     /// Returns true if the export would replace an existing file.
-    pub fn replaces(&self) -> bool {
+    pub(crate) fn replaces(&self) -> bool {
         Path::new(&self.path).is_file()
     }
 

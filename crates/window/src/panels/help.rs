@@ -8,7 +8,7 @@ use crate::state::Dialog;
 use flipmap_scene::question::Ask;
 
 /// Actions of the pointer and of keys that stand together, for the list of keys.
-pub const POINTER: [(&str, &str); 11] = [
+pub(crate) const POINTER: [(&str, &str); 11] = [
     ("Drag", "Move the map"),
     ("Wheel, pinch, Ctrl+wheel", "Zoom about the pointer"),
     ("Click", "Pin the pixel and fly its pendulum"),
@@ -28,7 +28,7 @@ fn keys(command: &Command) -> String {
 }
 
 /// Shows the list of keys; returns an action if it is closed.
-pub fn help(ctx: &egui::Context, commands: &[Command]) -> Option<Action> {
+pub(crate) fn help(ctx: &egui::Context, commands: &[Command]) -> Option<Action> {
     let mut open = true;
     egui::Window::new("Keys and questions")
         .open(&mut open)
@@ -74,7 +74,7 @@ fn row(ui: &mut Ui, keys: &str, does: &str) {
 }
 
 /// Returns the commands whose names contain every word of a query, in their original order.
-pub fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command> {
+pub(crate) fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let fits = |command: &&Command| {
         let name = command.name.to_lowercase();
@@ -96,12 +96,12 @@ fn memory() -> egui::Id {
 }
 
 /// Discards the typed text of a palette that has been closed.
-pub fn close_palette(ctx: &egui::Context) {
+pub(crate) fn close_palette(ctx: &egui::Context) {
     ctx.data_mut(|data| data.remove::<CommandSearch>(memory()));
 }
 
 /// Shows the command palette; returns the user's actions.
-pub fn palette(ctx: &egui::Context, commands: &[Command]) -> Vec<Action> {
+pub(crate) fn palette(ctx: &egui::Context, commands: &[Command]) -> Vec<Action> {
     let mut actions = Vec::new();
     let modal = Modal::new(memory()).show(ctx, |ui| {
         ui.set_width(360.0);

@@ -6,7 +6,7 @@ use crate::action::Action;
 use crate::settings::Layers;
 
 /// Shows one checkbox per layer; returns an action if one has changed.
-pub fn layers_panel(ui: &mut Ui, layers: &Layers) -> Option<Action> {
+pub(crate) fn layers_panel(ui: &mut Ui, layers: &Layers) -> Option<Action> {
     let mut changed = *layers;
     for (layer, name, sentence) in [
         (

@@ -12,7 +12,13 @@ const WIDTH_POINTS: f32 = 300.0;
 const MARGIN_POINTS: f32 = 10.0;
 
 /// Shows what the colours of a map mean in the lower left corner of `map`. The pointer goes through.
-pub fn map_legend(ctx: &Context, map: Rect, colours: &AnswerColours, ask: Ask, palette: &str) {
+pub(crate) fn map_legend(
+    ctx: &Context,
+    map: Rect,
+    colours: &AnswerColours,
+    ask: Ask,
+    palette: &str,
+) {
     let width = WIDTH_POINTS.min(map.width() - 4.0 * MARGIN_POINTS);
     if width <= 0.0 {
         return;

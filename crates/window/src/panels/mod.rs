@@ -1,18 +1,18 @@
 //! The panels beside the map: each shows plain state and returns the user's actions.
 
-pub mod accuracy;
-pub mod card;
+pub(crate) mod accuracy;
+pub(crate) mod card;
 mod colour_strip;
 pub mod colours;
-pub mod descent;
+pub(crate) mod descent;
 pub mod export;
 mod field;
 pub mod film;
 mod ground;
-pub mod help;
-pub mod layers;
-pub mod map_legend;
-pub mod notices;
+pub(crate) mod help;
+pub(crate) mod layers;
+pub(crate) mod map_legend;
+pub(crate) mod notices;
 pub mod pendulum;
 pub mod places;
 mod plane_diagram;
@@ -20,7 +20,7 @@ pub mod scene;
 mod sentence;
 pub mod status;
 mod stops;
-pub mod timeline;
-pub mod toolbar;
-pub mod view;
-pub mod window;
+pub(crate) mod timeline;
+pub(crate) mod toolbar;
+pub(crate) mod view;
+pub(crate) mod window;

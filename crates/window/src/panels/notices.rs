@@ -13,7 +13,7 @@ const BELOW_TOOLS: Vec2 = vec2(12.0, 46.0);
 
 /// Shows the notices over the upper left corner of the map, and asks for another frame when the next
 /// one goes.
-pub fn notices(ctx: &egui::Context, notices: &Notices, now_secs: f64) -> Vec<Action> {
+pub(crate) fn notices(ctx: &egui::Context, notices: &Notices, now_secs: f64) -> Vec<Action> {
     let mut actions = Vec::new();
     if notices.iter().len() == 0 {
         return actions;

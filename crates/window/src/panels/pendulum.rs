@@ -12,7 +12,7 @@ use crate::flight::playback::SPEEDS;
 use crate::pins::{Pin, PinAction, Pins};
 use flipmap_lab::drawing::{CANVAS, FAINT, INK};
 
-pub use drawing::miniature;
+pub(crate) use drawing::miniature;
 
 /// Greatest side of the stage in the panel, in points.
 const MOST_SIDE: f32 = 300.0;
@@ -43,7 +43,7 @@ pub fn pendulum_panel(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
 }
 
 /// Shows the stage in all the room there is; returns the user's actions on the pins.
-pub fn stage(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
+pub(crate) fn stage(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
     let mut actions = Vec::new();
     match pins.selected() {
         Some(pin) => {
@@ -61,7 +61,7 @@ pub fn stage(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
 }
 
 /// Asks for another frame while the pendulums fly.
-pub fn next_frame(ui: &Ui, pins: &Pins) {
+pub(crate) fn next_frame(ui: &Ui, pins: &Pins) {
     if pins.is_playing() {
         ui.ctx().request_repaint_after(FRAME);
     }

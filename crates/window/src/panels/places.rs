@@ -25,7 +25,7 @@ pub struct PlaceForm {
 
 impl PlaceForm {
     /// A form with a name for the next bookmark.
-    pub fn named(name: String) -> Self {
+    pub(crate) fn named(name: String) -> Self {
         PlaceForm { name, ..PlaceForm::default() }
     }
 }

@@ -66,7 +66,11 @@ pub fn status_line(ui: &mut Ui, status: &StatusLine) {
 }
 
 /// Describes a view's depth in digits and seconds: a short text, and the full one.
-pub fn depth_words(depth: &DepthStats, precision: Precision, budget_secs: f64) -> (String, String) {
+pub(crate) fn depth_words(
+    depth: &DepthStats,
+    precision: Precision,
+    budget_secs: f64,
+) -> (String, String) {
     let [first, last] = depth.begins_secs;
     let short = format!("{} digits · budget {budget_secs:.0} s", depth.digits);
     let began = if depth.integrated == 0 {

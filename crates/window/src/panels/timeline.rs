@@ -6,7 +6,7 @@ use crate::action::Action;
 use crate::flight::playback::{Playback, SPEEDS};
 
 /// Shows the clock of a map whose pendulums run for `budget_secs`; returns the user's change of it.
-pub fn timeline(ui: &mut Ui, playback: &Playback, budget_secs: f64) -> Option<Action> {
+pub(crate) fn timeline(ui: &mut Ui, playback: &Playback, budget_secs: f64) -> Option<Action> {
     let mut new = *playback;
     let mut open = true;
     ui.horizontal(|ui| {

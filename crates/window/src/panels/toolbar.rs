@@ -24,7 +24,7 @@ struct Tool {
 
 /// Shows the bar in the middle of the map's upper edge; returns the user's actions. The keys shown
 /// are those of `commands`; `back` and `forward` say whether there are views to go to.
-pub fn toolbar(
+pub(crate) fn toolbar(
     ui: &Ui,
     map: Rect,
     commands: &[Command],

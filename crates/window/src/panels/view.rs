@@ -9,7 +9,7 @@ use flipmap_scene::{Axis, View, in_rad};
 
 /// Texts that the user has typed but not yet gone to, in the order of the fields.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ViewForm {
+pub(crate) struct ViewForm {
     typed: Option<[String; 5]>,
 }
 
@@ -47,7 +47,7 @@ fn view_of(texts: &[String; 5], axes: [Axis; 2]) -> Result<View, String> {
 }
 
 /// Shows the fields; returns the view to go to once the user asks for it.
-pub fn view_panel(
+pub(crate) fn view_panel(
     ui: &mut Ui,
     form: &mut ViewForm,
     camera: &Camera,

@@ -7,7 +7,7 @@ use crate::settings::{EdgeSamples, Settings, Theme};
 use crate::state::{AppState, Dialog};
 
 /// Shows the settings; returns the user's actions.
-pub fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Settings) -> Vec<Action> {
+pub(crate) fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Settings) -> Vec<Action> {
     let mut actions = Vec::new();
     ui.horizontal(|ui| {
         for (theme, word) in

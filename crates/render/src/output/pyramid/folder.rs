@@ -36,7 +36,7 @@ pub struct PyramidFolder {
 
 impl PyramidFolder {
     /// Begins a folder; refuses at once what would fail at the end.
-    pub fn create(path: &Path) -> io::Result<Self> {
+    pub(crate) fn create(path: &Path) -> io::Result<Self> {
         if path.is_symlink() && !path.exists() {
             return Err(io::Error::other("is a link to nothing: remove it, or name a folder"));
         }
@@ -58,7 +58,7 @@ impl PyramidFolder {
     }
 
     /// Path of the folder to write into.
-    pub fn inside(&self) -> PathBuf {
+    pub(crate) fn inside(&self) -> PathBuf {
         self.beside.path().join(NEW)
     }
 

@@ -15,14 +15,14 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-pub use folder::PyramidFolder;
+pub(crate) use folder::PyramidFolder;
 use halving::Halving;
 
 use super::{PngError, PngWriter};
 use flipmap_scene::Document;
 
 /// Pixels along the side of a tile.
-pub const TILE_SIDE: u32 = 256;
+pub(crate) const TILE_SIDE: u32 = 256;
 
 /// Bytes per pixel.
 const RGB: usize = 3;

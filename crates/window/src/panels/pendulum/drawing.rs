@@ -54,7 +54,7 @@ const MINIATURE: f32 = 44.0;
 
 /// Draws a small pendulum on a disc beside a point, with its angles in rad from the downward
 /// vertical.
-pub fn miniature(painter: &Painter, beside: Pos2, build: &Build, angle: [f64; 2]) {
+pub(crate) fn miniature(painter: &Painter, beside: Pos2, build: &Build, angle: [f64; 2]) {
     let side = vec2(MINIATURE, MINIATURE);
     let corner = beside + vec2(16.0, -16.0 - 2.0 * MINIATURE);
     let middle = corner_inside(painter.clip_rect().shrink(4.0), 2.0 * side, corner) + side;
