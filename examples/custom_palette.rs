@@ -8,7 +8,7 @@ const SIDE: u32 = 96;
 
 /// One turn of the colour circle per tenfold time; black where nothing flips.
 fn colour(outcome: Outcome) -> Rgb<u8> {
-    if outcome.status != Status::Flipped {
+    if outcome.status != Status::Answered {
         return Rgb([0; 3]);
     }
     let hue = std::f64::consts::TAU * outcome.time.log10();

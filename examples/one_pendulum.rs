@@ -16,7 +16,7 @@ fn release<T: Scalar>() -> Outcome<T> {
 fn main() {
     let (near, exact) = (release::<f64>(), release::<Dd>());
     match exact.status {
-        Status::Flipped => println!(
+        Status::Answered => println!(
             "the second bob flips after {:.12} s; f64 errs by {:.0e} s",
             exact.time.to_f64(),
             (near.time - exact.time.to_f64()).abs()

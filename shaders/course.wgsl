@@ -4,9 +4,9 @@
 
 const TERMS = {{ terms }};
 // Smallest part of a step that is cut any further: a shorter pass cannot be told from none.
-const LEAST_PART = 1.5e-8;
+const MIN_PART = 1.5e-8;
 // Most parts that are looked at for one change.
-const MOST_PARTS = 400;
+const MAX_PARTS = 400;
 // What stands for a place in a step at which there is nothing: beyond its end.
 const NOWHERE = Real(2);
 
@@ -120,7 +120,7 @@ fn course(control: array<Real, TERMS>, side: Real) -> Course {
     var clearance = FAR;
     var low = Real(0);
     var span = Real(1);
-    for (var parts = 0; parts < MOST_PARTS; parts++) {
+    for (var parts = 0; parts < MAX_PARTS; parts++) {
         let part = part_before(part_after(control, low), span / (Real(1) - low));
         var least = side * part[1];
         var falls = true;
@@ -133,7 +133,7 @@ fn course(control: array<Real, TERMS>, side: Real) -> Course {
             return Course(low + span * only_zero(part, side), clearance);
         }
         if least <= 0 && !falls {
-            if span > Real(LEAST_PART) {
+            if span > Real(MIN_PART) {
                 span *= Real(0.5);
                 continue;
             }

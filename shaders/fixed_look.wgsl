@@ -27,7 +27,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     let broken = !finite(w1_next) || !finite(w2_next);
     let over = steps >= job.most_steps;
     if flipped {
-        end(pixel, FLIPPED);
+        end(pixel, ANSWERED);
         outcomes[pixel].moment = to_parts(fraction);
     } else {
 {% for name in state %}

@@ -56,7 +56,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
 {% endfor %}
-        if passed == 0u || broken || examined == MOST_PASSES {
+        if passed == 0u || broken || examined == MAX_PASSES {
             broken = broken || passed != 0u;
             break;
         }
@@ -85,7 +85,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     if broken {
         end(pixel, FAILED);
     } else if done {
-        end(pixel, FLIPPED);
+        end(pixel, ANSWERED);
         outcomes[pixel].moment = to_parts(begun);
     } else {
 {% for name in state %}

@@ -11,7 +11,7 @@ const CROSS = 2u;
 const TOP = 3u;
 {% endif %}
 // Most trials for one step; a graze takes some sixty.
-const MOST_TRIALS = 400u;
+const MAX_TRIALS = 400u;
 {% if counts_passes %}
 // Sine of the angle beyond the top at which a bob that has passed it is put.
 const BARELY = 1e-30;
@@ -108,7 +108,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     var flip_rest = 0.0;
     var clearance = outcomes[pixel].clearance;
     var trials = 0u;
-    while bob < {{ bobs }}u && trials < MOST_TRIALS {
+    while bob < {{ bobs }}u && trials < MAX_TRIALS {
         trials += 1u;
 {% if counts_passes %}
         let step = select(real(length), {{ flip_length }}, goal == TOP);
@@ -255,7 +255,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     let sound = outcomes[pixel].steps < job.most_steps;
     let over = !sound || !(rough(time_after) < job.budget);
     if flipped {
-        end(pixel, FLIPPED);
+        end(pixel, ANSWERED);
     } else if over {
         end(pixel, select(FAILED, UNFLIPPED, sound));
     }

@@ -48,7 +48,7 @@ fn pack(
         let outcome = outcomes[pixel];
         let status = outcome.status & 255u;
         let moment = bitcast<vec2<u32>>(outcome.moment);
-        words[pixel * WORDS] = select(NO_MOMENT | status, moment.x, status == FLIPPED);
+        words[pixel * WORDS] = select(NO_MOMENT | status, moment.x, status == ANSWERED);
 {% if stepped %}
         words[pixel * WORDS + 1u] = outcome.steps;
 {% endif %}

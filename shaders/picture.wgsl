@@ -62,7 +62,7 @@ struct Fragment {
 // True if the target needs its colours encoded here.
 override ENCODE: bool = true;
 // Largest number of places along a pixel whose light is mixed where samples are many.
-override MOST_TAPS: u32 = 1u;
+override MAX_TAPS: u32 = 1u;
 
 const SIDE: i32 = 64;
 // Slots along a side of a layer of the atlas.
@@ -109,10 +109,10 @@ fn light_of(word: u32) -> vec3<f32> {
     if status == FAILED {
         return canvas.failed.rgb;
     }
-    if canvas.coloured == 1u && status == FLIPPED {
+    if canvas.coloured == 1u && status == ANSWERED {
         return decoded(word >> 5u);
     }
-    if status != FLIPPED || value > canvas.until_value {
+    if status != ANSWERED || value > canvas.until_value {
         return canvas.unflipped.rgb;
     }
     let entry = (value - canvas.first_value) * canvas.entries_per_unit + 0.5;
@@ -132,7 +132,7 @@ fn encoded(light: vec3<f32>) -> vec3<f32> {
 // The factor of the light at a place among four samples, from the lower left anticlockwise, whose
 // texels run to the right and up the screen like this (counterpart: crates/scene/src/palette/relief.rs).
 fn relief_of(words: vec4<u32>, part: vec2<f32>, texel_x: vec2<f32>, texel_y: vec2<f32>) -> f32 {
-    if any((words & vec4<u32>(3u)) != vec4<u32>(FLIPPED)) {
+    if any((words & vec4<u32>(3u)) != vec4<u32>(ANSWERED)) {
         return 1.0;
     }
     let h = vec4<f32>(value_of(words.x), value_of(words.y), value_of(words.z), value_of(words.w));
@@ -196,8 +196,8 @@ fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
         max(abs(texel_y.x), abs(texel_y.y))
     );
     var light: vec3<f32>;
-    if MOST_TAPS > 1u && any(along > vec2<f32>(MANY)) {
-        let taps = clamp(vec2<u32>(ceil(along)), vec2<u32>(1u), vec2<u32>(MOST_TAPS));
+    if MAX_TAPS > 1u && any(along > vec2<f32>(MANY)) {
+        let taps = clamp(vec2<u32>(ceil(along)), vec2<u32>(1u), vec2<u32>(MAX_TAPS));
         light = mean_light(in, taps, texel_x, texel_y);
     } else {
         let upper = mix(light_of(at.words.w), light_of(at.words.z), at.part.x);

@@ -41,7 +41,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     let sound = outcomes[pixel].steps < job.most_steps && finite(x1_next + p1_next + p2_next);
     let over = !sound || !(rough(time_next) < job.budget);
     if flipped {
-        end(pixel, FLIPPED);
+        end(pixel, ANSWERED);
     } else if over {
         end(pixel, select(FAILED, UNFLIPPED, sound));
     }

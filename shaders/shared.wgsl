@@ -61,7 +61,7 @@ const WORKGROUP = 64u;
 // Number of passes of the top after which a pendulum is done.
 const PASSES = {{ passes }}u;
 // Most passes in one step.
-const MOST_PASSES = 8u;
+const MAX_PASSES = 8u;
 
 fn passes_of(pixel: u32) -> u32 {
     let passes = outcomes[pixel].passes;

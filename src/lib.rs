@@ -31,7 +31,7 @@
 //!
 //! let pendulum = Pendulum::points([1.0, 1.0], [1.0, 1.0], 1.0);
 //! let outcome = oracle::outcome(&pendulum, [3.0f64, 3.0], Rule::Second, 30.0);
-//! assert_eq!(outcome.status, Status::Flipped);
+//! assert_eq!(outcome.status, Status::Answered);
 //! assert!((outcome.time - 1.767_916_558_420_626_6).abs() < 1e-12);
 //! ```
 //!

@@ -24,8 +24,13 @@ mod _flipmap {
         module.add("WORDS", words.to_vec())?;
         let scenes: Vec<_> = BuiltIn::names().split(", ").map(str::to_string).collect();
         module.add("SCENES", scenes)?;
-        let statuses = [Status::Unflipped, Status::Flipped, Status::Forbidden, Status::Failed];
-        let statuses = statuses.map(|status| (format!("{status:?}").to_uppercase(), status as u8));
+        let statuses = [
+            ("UNFLIPPED", Status::Unflipped),
+            ("FLIPPED", Status::Answered),
+            ("FORBIDDEN", Status::Forbidden),
+            ("FAILED", Status::Failed),
+        ];
+        let statuses = statuses.map(|(name, status)| (name, status as u8));
         module.add("STATUSES", statuses.to_vec())?;
         let trusts = Trust::ALL.map(|(name, trust)| (name.to_uppercase(), trust as u8));
         module.add("TRUSTS", trusts.to_vec())?;

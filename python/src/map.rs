@@ -64,7 +64,7 @@ pub(crate) fn render<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut document = document(scene, &words)?;
-    if size.iter().any(|side| !(1..=PictureTable::LONGEST_SIDE).contains(side)) {
+    if size.iter().any(|side| !(1..=PictureTable::MAX_SIDE).contains(side)) {
         let range = "each side must be between 1 and 1000000 pixels";
         return Err(value_error(format!("size is {}x{}; {range}", size[0], size[1])));
     }

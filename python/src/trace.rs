@@ -8,7 +8,7 @@ use crate::clock::Clock;
 use crate::scene::{document, value_error};
 
 /// Largest number of rows of a table.
-const MOST_ROWS: f64 = 1e8;
+const MAX_ROWS: f64 = 1e8;
 
 /// Traces one pendulum. Returns a dictionary: `columns` (names), `rows` (f64 bytes) and `passes`
 /// (number of the bob, time in s, true if anticlockwise).
@@ -30,7 +30,7 @@ pub(crate) fn trace<'py>(
     })?;
     let (until, every) = (seconds("until", until)?, seconds("every", every)?);
     let count = (until / every).hi;
-    if count > MOST_ROWS {
+    if count > MAX_ROWS {
         let text =
             format!("every {every} s gives {count:.0e} rows in {until} s; at most 1e8 are allowed");
         return Err(value_error(text));

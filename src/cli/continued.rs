@@ -95,13 +95,13 @@ impl Continued {
 }
 
 /// Largest size of a state in bytes: that of a picture of a hundred million pixels.
-const MOST_BYTES: u64 = 16 << 30;
+const MAX_BYTES: u64 = 16 << 30;
 
 fn read(path: &Path, document: &Document) -> Result<RenderState, Exit> {
     let refuse =
         |why: &dyn std::fmt::Display| Exit::Usage(format!("--state {} {why}", path.display()));
-    let bytes = read_plain(path, MOST_BYTES)
-        .map_err(|error| refuse(&format!("cannot be read: {error}")))?;
+    let bytes =
+        read_plain(path, MAX_BYTES).map_err(|error| refuse(&format!("cannot be read: {error}")))?;
     let state = RenderState::parse(&bytes).map_err(|why| refuse(&why))?;
     state.check_scene(document).map_err(|why| refuse(&why))?;
     Ok(state)

@@ -9,7 +9,7 @@ use flipmap_engine::choice::Chosen;
 use flipmap_render::output::{Destination, SafeFile, is_stdout};
 use flipmap_render::tiles::descent::{Descent, DescentStep};
 use flipmap_scene::keys::{Easing, Keys};
-use flipmap_scene::{LEAST_WIDTH, Scene, location};
+use flipmap_scene::{MIN_WIDTH, Scene, location};
 
 use super::exit::Exit;
 use super::options::{SceneOptions, number};
@@ -35,7 +35,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     options.run.engine.check()?;
     let output = options.output.as_deref().map(|path| ("-o", path));
     keep_apart(options.scene.file().as_slice(), output.as_slice())?;
-    let to = number(&options.to).filter(|width| (LEAST_WIDTH..=1.0).contains(width));
+    let to = number(&options.to).filter(|width| (MIN_WIDTH..=1.0).contains(width));
     let to = to.ok_or_else(|| {
         let text = &options.to;
         Exit::Usage(format!("--to is '{text}'; it must be a width between 1e-100 and 1 rad"))

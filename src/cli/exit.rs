@@ -54,7 +54,7 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
 }
 
 /// Largest number of characters of a message; what is longer quotes a very long input.
-const MOST_CHARACTERS: usize = 2000;
+const MAX_CHARACTERS: usize = 2000;
 
 /// A message as a terminal may show it, with options for the settings that it names.
 pub(super) fn printable(message: &str) -> String {
@@ -66,7 +66,7 @@ pub(super) fn printable(message: &str) -> String {
 fn clean(text: &str) -> String {
     let mut cleaned = String::new();
     for (k, character) in text.chars().enumerate() {
-        if k == MOST_CHARACTERS {
+        if k == MAX_CHARACTERS {
             cleaned.push('…');
             break;
         }
@@ -87,7 +87,7 @@ fn is_direction(character: char) -> bool {
 }
 
 /// Largest number of characters of a line of a usage error.
-const MOST_IN_LINE: usize = 400;
+const MAX_IN_LINE: usize = 400;
 
 /// Ends the program with what clap has to say: help, or an error, cleaned like any other and with its
 /// code.
@@ -104,10 +104,10 @@ pub(super) fn leave(error: &clap::Error) -> ! {
 /// A line without its middle if it is very long: the ends have the words, and the middle a value.
 fn shortened(line: &str) -> String {
     let characters: Vec<char> = line.chars().collect();
-    if characters.len() <= MOST_IN_LINE {
+    if characters.len() <= MAX_IN_LINE {
         return line.to_string();
     }
-    let half = MOST_IN_LINE / 2;
+    let half = MAX_IN_LINE / 2;
     let [head, tail] = [&characters[..half], &characters[characters.len() - half..]];
     head.iter().chain(&['…']).chain(tail).collect()
 }
@@ -175,6 +175,6 @@ mod tests {
     fn messages_hold_nothing_that_a_terminal_obeys_and_have_an_end() {
         assert_eq!(printable("the name \u{1b}[31m\nθ1"), "the name \\u{1b}[31m\nθ1");
         assert_eq!(printable("a\u{202e}b\u{2066}\r\u{9b}"), r"a\u{202e}b\u{2066}\u{d}\u{9b}");
-        assert_eq!(printable(&"9".repeat(1_000_000)).chars().count(), MOST_CHARACTERS + 1);
+        assert_eq!(printable(&"9".repeat(1_000_000)).chars().count(), MAX_CHARACTERS + 1);
     }
 }

@@ -53,7 +53,7 @@ const SECS_A_DECADE: f64 = 1.5;
 /// Seconds of film for a view that does not move.
 const SECS_IN_PLACE: f64 = 10.0;
 /// Minimum seconds of film between two scenes.
-const LEAST_SECS: f64 = 2.0;
+const MIN_SECS: f64 = 2.0;
 /// Default frames per second.
 const FPS: f64 = 30.0;
 /// Default samples of each pixel.
@@ -164,7 +164,7 @@ impl FilmOptions {
                 ))),
             },
         };
-        let most = f64::from(Film::MOST_FRAMES);
+        let most = f64::from(Film::MAX_FRAMES);
         let first = keys[0].secs;
         keys.iter_mut().for_each(|key| key.secs -= first);
         let last = keys[keys.len() - 1].secs;
@@ -230,7 +230,7 @@ fn spaced(scenes: Vec<Document>) -> Vec<Key> {
         let width = scene.scene().view.width_rad().hi;
         if let Some(before) = before {
             let decades = (width / before).log10().abs();
-            secs += (SECS_A_DECADE * decades).max(LEAST_SECS);
+            secs += (SECS_A_DECADE * decades).max(MIN_SECS);
         }
         before = Some(width);
         Key { secs, easing: Easing::Linear, clock: None, scene }

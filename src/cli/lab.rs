@@ -33,14 +33,14 @@ pub(super) struct Options {
 }
 
 /// Maximum seconds for which a figure may be followed.
-const MOST_SECS: f64 = 600.0;
+const MAX_SECS: f64 = 600.0;
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let figure = Figure::named(&options.name).ok_or_else(|| {
         let names = Figure::names();
         Exit::Usage(format!("there is no figure called '{}'; choose one of {names}", options.name))
     })?;
-    let secs = number(&options.at).filter(|secs| (0.0..=MOST_SECS).contains(secs));
+    let secs = number(&options.at).filter(|secs| (0.0..=MAX_SECS).contains(secs));
     let secs = secs.ok_or_else(|| {
         Exit::Usage(format!("--at is '{}'; it must be between 0 and 600 s", options.at))
     })?;

@@ -27,7 +27,7 @@ use super::{farm, stop};
 #[derive(Args, Debug)]
 pub(super) struct PlanOptions {
     /// Number of shards
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Plan::MOST_SHARDS)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Plan::MAX_SHARDS)))]
     shards: u32,
     /// Plan one more sample at each pixel's centre, as --raw, --exr and --trust need when --samples
     /// is above 1

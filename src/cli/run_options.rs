@@ -153,7 +153,7 @@ impl RunOptions {
     pub(super) fn settle(&self, document: &mut Document) -> Result<RunSpec, Exit> {
         let mut size = document.run.size.unwrap_or(RunSpec::DEFAULT_SIZE);
         set(&mut size, "--size", &self.size, parse_size)?;
-        if size.iter().any(|side| !(1..=PictureTable::LONGEST_SIDE).contains(side)) {
+        if size.iter().any(|side| !(1..=PictureTable::MAX_SIDE).contains(side)) {
             let text = format!("{}x{}", size[0], size[1]);
             return Err(Exit::Usage(format!("--size is '{text}'; {}", range_of_size())));
         }

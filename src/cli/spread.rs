@@ -30,7 +30,7 @@ pub(super) fn spread(
     let mut work = Work::new(&scene, few, config, count).before(&scene, size);
     let samples = preview(&mut work, few, engine, &|_| !stop::asked())?;
     let samples = samples.ok_or(Exit::Interrupted)?;
-    let flipped = samples.iter().filter(|outcome| outcome.status == Status::Flipped);
+    let flipped = samples.iter().filter(|outcome| outcome.status == Status::Answered);
     let times = equalised(flipped.map(|outcome| outcome.time), PictureTable::SPREAD_STEPS);
     if let [first, .., last] = times[..] {
         let ask = scene.question.ask;

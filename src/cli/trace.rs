@@ -49,9 +49,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     })?;
     let until = seconds("--until", &options.until, 1e-9..=1e6)?;
     let every = seconds("--every", &options.every, 1e-9..=1e6)?;
-    if (until / every).hi > MOST_ROWS {
+    if (until / every).hi > MAX_ROWS {
         let message = format!(
-            "--every {} gives {:.0e} rows in {} s; at most {MOST_ROWS:e} are allowed",
+            "--every {} gives {:.0e} rows in {} s; at most {MAX_ROWS:e} are allowed",
             options.every,
             (until / every).hi,
             options.until
@@ -81,7 +81,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
 }
 
 /// Maximum number of rows that a table may reasonably have.
-const MOST_ROWS: f64 = 1e8;
+const MAX_ROWS: f64 = 1e8;
 
 /// Writes the head and all rows.
 fn write_table(trace: &mut Trace, out: &mut SafeFile) -> anyhow::Result<()> {

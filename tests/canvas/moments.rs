@@ -23,7 +23,7 @@ fn painted_until(
     let grid = crate::grid(screen, scene);
     let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
     let seen = |outcome: Outcome| match outcome.status {
-        Status::Flipped if outcome.time > until_secs => Outcome::without_time(Status::Unflipped),
+        Status::Answered if outcome.time > until_secs => Outcome::without_time(Status::Unflipped),
         _ => outcome,
     };
     pixels.map(|(x, y)| tones.colour(&seen(outcome(grid.fate(x, y), scene)))).collect()

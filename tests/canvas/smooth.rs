@@ -75,7 +75,7 @@ mod checks {
             });
             explorer.work(&mut engine(), None).unwrap();
             let samples = rendered(&scene, BALANCED, &mut engine());
-            let flipped = samples.iter().filter(|outcome| outcome.status == Status::Flipped);
+            let flipped = samples.iter().filter(|outcome| outcome.status == Status::Answered);
             let times = equalised(flipped.map(|outcome| outcome.time), 64);
             let picture = &PictureTable { times, curve: false, ..PictureTable::default() };
             let truth = painted(&scene, picture, &samples);

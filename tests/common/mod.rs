@@ -93,7 +93,7 @@ pub(crate) fn scalar_rk4(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome
 pub(crate) fn share_within(secs: f64, answers: &[Outcome], truth: &[Outcome]) -> f64 {
     assert!(!truth.is_empty() && answers.len() == truth.len());
     let close = |(a, b): &(&Outcome, &Outcome)| {
-        a.status == b.status && (a.status != Status::Flipped || (a.time - b.time).abs() <= secs)
+        a.status == b.status && (a.status != Status::Answered || (a.time - b.time).abs() <= secs)
     };
     answers.iter().zip(truth).filter(close).count() as f64 / truth.len() as f64
 }
@@ -104,6 +104,6 @@ pub(crate) fn flips_before(
     answers: &[Outcome],
     truth: &[Outcome],
 ) -> (Vec<Outcome>, Vec<Outcome>) {
-    let early = |t: &Outcome| t.status == Status::Flipped && t.time < secs;
+    let early = |t: &Outcome| t.status == Status::Answered && t.time < secs;
     answers.iter().zip(truth).filter(|(_, t)| early(t)).map(|(a, t)| (*a, *t)).unzip()
 }

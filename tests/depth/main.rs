@@ -89,7 +89,7 @@ fn truth<const N: usize>(scene: &Scene, size: [u32; 2], pixels: &[usize]) -> Vec
 }
 
 fn is_right(a: &Outcome, b: &Outcome) -> bool {
-    a.status == b.status && (a.status != Status::Flipped || (a.time - b.time).abs() <= 1e-3)
+    a.status == b.status && (a.status != Status::Answered || (a.time - b.time).abs() <= 1e-3)
 }
 
 fn share_right(samples: &Samples, pixels: &[usize], truth: &[Outcome]) -> f64 {
@@ -105,7 +105,7 @@ fn deep_pixels_are_those_of_pendulums_integrated_in_long_numbers() {
         let scene = scene([theta1, theta2], width);
         let truth = truth::<4>(&scene, size, &pixels);
         let flips: Vec<f64> =
-            truth.iter().filter(|o| o.status == Status::Flipped).map(|o| o.time).collect();
+            truth.iter().filter(|o| o.status == Status::Answered).map(|o| o.time).collect();
         let spread = flips.iter().fold(0.0, |most, t| f64::max(most, (t - flips[0]).abs()));
         assert!(flips.len() > 12 && spread > 0.5, "no structure at {width}: {spread}");
         // One of 24 pixels is a share of 0.04.
@@ -256,7 +256,7 @@ fn edge(theta1: &str, between: [&str; 2], secs: f64) -> String {
         let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();
         let angle = [Fixed::<4>::parse(theta1).unwrap(), theta2];
         let budget = Fixed::from_f64(secs);
-        oracle::outcome(&pendulum, angle, Rule::Second, budget).status == Status::Flipped
+        oracle::outcome(&pendulum, angle, Rule::Second, budget).status == Status::Answered
     };
     let mut ends = between.map(|text| Fixed::<4>::parse(text).unwrap());
     let early = flips_early(ends[1]);
@@ -277,7 +277,7 @@ fn a_grazing_edge_is_one_clean_line_at_every_depth() {
         let samples = samples(&scene, size, BALANCED, &mut engine(), 4096);
         let side = |k: usize| {
             let outcome = samples.get(k);
-            outcome.status == Status::Flipped && outcome.time < 2.0
+            outcome.status == Status::Answered && outcome.time < 2.0
         };
         for column in 0..24 {
             let changes =

@@ -251,13 +251,13 @@ fn the_budget_ends_where_it_says(make: Make) {
     let mut engine = make();
     let full = question(&scene);
     let all = answers(engine.as_mut(), &full, lesson(Precision::F64), &starts);
-    let some_flip = all.iter().find(|o| o.status == Status::Flipped && o.time > 4.0).unwrap().time;
+    let some_flip = all.iter().find(|o| o.status == Status::Answered && o.time > 4.0).unwrap().time;
     for budget_secs in [5.0, 5.0001, some_flip, some_flip - 1e-9, 0.4] {
         let question = Question { budget_secs, ..full };
         let cut = answers(engine.as_mut(), &question, lesson(Precision::F64), &starts);
         for (cut, all) in cut.iter().zip(&all) {
-            let within = all.status == Status::Flipped && all.time <= budget_secs;
-            assert_eq!(cut.status == Status::Flipped, within, "{budget_secs}: {cut:?} {all:?}");
+            let within = all.status == Status::Answered && all.time <= budget_secs;
+            assert_eq!(cut.status == Status::Answered, within, "{budget_secs}: {cut:?} {all:?}");
             assert!(!within || cut == all);
         }
     }

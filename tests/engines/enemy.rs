@@ -98,7 +98,7 @@ fn bars_that_watch_the_first_bob() {
 fn a_judge_that_is_right_finds_what_is_wrong() {
     let scene = scene(rods(), Rule::First, 30.0, View::default());
     let mut samples = checked(&scene, 16, BALANCED);
-    let flipped = (0..samples.len()).find(|&k| samples.get(k).status == Status::Flipped).unwrap();
+    let flipped = (0..samples.len()).find(|&k| samples.get(k).status == Status::Answered).unwrap();
     let late = samples.get(flipped).time + 2e-3;
     samples.set(flipped, Outcome::flipped(late));
     assert_eq!(judged(&scene, &samples, &truths(&scene, 16, 1)).0.len(), 1);

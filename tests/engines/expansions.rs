@@ -52,7 +52,7 @@ mod checks {
             let [gpu, cpu] = on_both(soon(rule, 1), &starts);
             // Pendulums that do not flip end with the last step of the budget, and steps differ a little
             // in length.
-            let flipped = gpu.outcomes.iter().map(|outcome| outcome.status == Status::Flipped);
+            let flipped = gpu.outcomes.iter().map(|outcome| outcome.status == Status::Answered);
             let ends = gpu.ends.iter().zip(&cpu.ends).zip(flipped);
             let ends: Vec<(&End, &End)> =
                 ends.filter(|(_, flips)| *flips).map(|(e, _)| e).collect();

@@ -8,7 +8,7 @@ use flipmap_engine::choice::{EngineRequest, IntegrationSetting, choose};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::gpu::device::{Gpu, is_software};
 use flipmap_engine::gpu::pairs::Pairs;
-use flipmap_engine::gpu::{GpuEngine, MOST_KERNELS};
+use flipmap_engine::gpu::{GpuEngine, MAX_KERNELS};
 use flipmap_engine::level::{BALANCED_DF32, FAST_TO_COMPILE, FINEST};
 use flipmap_engine::selfcheck::{self, Verdict};
 use flipmap_engine::{
@@ -246,10 +246,10 @@ mod checks {
         // Without a general kernel every scene has its own, and the oldest give way.
         engine.tune(GpuTuning::default());
         let first = answers(&mut engine, &slid(1), config, &starts);
-        for step in 2..MOST_KERNELS as u32 + 4 {
+        for step in 2..MAX_KERNELS as u32 + 4 {
             answers(&mut engine, &slid(step), config, &starts);
         }
-        assert_eq!(engine.kernel_count(), MOST_KERNELS);
+        assert_eq!(engine.kernel_count(), MAX_KERNELS);
         assert_eq!(answers(&mut engine, &slid(1), config, &starts), first);
     }
 

@@ -98,7 +98,7 @@ fn counts_on_the_grid_are_exact() {
         let times: Vec<f64> = grid
             .iter()
             .map(|&angle| oracle::outcome(&unit(), angle, rule, 20.0))
-            .filter(|outcome| outcome.status == Status::Flipped)
+            .filter(|outcome| outcome.status == Status::Answered)
             .map(|outcome| outcome.time)
             .collect();
         let by = |end: f64| times.iter().filter(|&&time| time <= end).count();

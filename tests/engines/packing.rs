@@ -56,7 +56,7 @@ mod checks {
                 let question = Question { rule, budget_secs: 6.0, ..question(&Scene::default()) };
                 let [packed, whole] = both(&mut engine, &job(question, config, 24));
                 assert!(packed == whole, "{config:?} {rule:?}");
-                let flipped = packed.outcomes.iter().filter(|o| o.status == Status::Flipped);
+                let flipped = packed.outcomes.iter().filter(|o| o.status == Status::Answered);
                 assert_eq!(flipped.count() > 0, rule != Rule::Neither);
                 assert!(packed.effort.steps > 0 && packed.outcomes.len() > 100);
             }

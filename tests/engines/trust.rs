@@ -42,7 +42,7 @@ fn truth_in_dd(scene: &Scene, starts: &[[Dd; 2]]) -> Vec<Outcome> {
 
 fn is_right(answer: &Outcome, truth: &Outcome) -> bool {
     answer.status == truth.status
-        && (answer.status != Status::Flipped || (answer.time - truth.time).abs() <= 1e-3)
+        && (answer.status != Status::Answered || (answer.time - truth.time).abs() <= 1e-3)
 }
 
 #[test]

@@ -7,7 +7,7 @@ use flipmap_engine::{IntegratorConfig, Job, Method, Precision, Question};
 use flipmap_numbers::{Decimal, Scalar, Theta};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::cache::{CachedCell, TILE_BYTES};
-use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, Region, SIDE, side_rad};
 use flipmap_scene::{Budget, Build, Fate, QuestionTable as Asked, Scene};
@@ -95,12 +95,12 @@ pub(crate) fn in_view(target: &ViewTarget) -> Vec<Cell> {
 
 /// The cells of a level in view.
 pub(crate) fn cells(target: &ViewTarget, level: u32) -> Vec<Cell> {
-    target.region.cells(level, MOST_CELLS).into_iter().map(|placed| placed.cell).collect()
+    target.region.cells(level, MAX_CELLS).into_iter().map(|placed| placed.cell).collect()
 }
 
 /// The outcome as a window with this budget shows it.
 pub(crate) fn shown(outcome: Outcome, budget_secs: f64) -> Outcome {
-    if outcome.status == Status::Flipped && outcome.time > budget_secs {
+    if outcome.status == Status::Answered && outcome.time > budget_secs {
         return Outcome::without_time(Status::Unflipped);
     }
     outcome

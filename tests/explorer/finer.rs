@@ -23,7 +23,7 @@ fn compared(explorer: &mut Explorer, target: &ViewTarget, level: u32) -> [usize;
     for cell in cells(target, level) {
         let Some(known) = explorer.known_finer(cell) else { continue };
         for (drawn, truth) in drawn(known, target).into_iter().zip(truth(target, cell)) {
-            let is_far = truth.status == Status::Flipped && (drawn.time - truth.time).abs() > 1e-3;
+            let is_far = truth.status == Status::Answered && (drawn.time - truth.time).abs() > 1e-3;
             counts[0] += 1;
             counts[1] += usize::from(drawn.status != truth.status || is_far);
         }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use flipmap_engine::Engine;
 use flipmap_engine::mock::MockEngine;
 use flipmap_numbers::{Scalar, Theta};
-use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::lattice::{Cell, Region, side_rad};
 
@@ -17,7 +17,7 @@ use super::ledger::Ledger;
 /// whichever is nearer, taken over all places where a cell or its image appears.
 fn distances(target: &ViewTarget, region: &Region, level: u32) -> HashMap<Cell, f64> {
     let mut nearest = HashMap::new();
-    for placed in region.cells(level, MOST_CELLS) {
+    for placed in region.cells(level, MAX_CELLS) {
         let from = |at: [f64; 2]| (placed.offset[0] - at[0]).hypot(placed.offset[1] - at[1]);
         let distance = target.pointer.map_or(f64::INFINITY, from).min(from([0.0; 2]));
         let least = nearest.entry(placed.cell.canonical().0).or_insert(distance);
@@ -108,7 +108,7 @@ fn the_newest_view_wins() {
     assert_eq!(engine.cancels, 1, "what flew for the old view is dropped");
     let wanted: HashSet<Cell> = [9, 12]
         .into_iter()
-        .flat_map(|level| there.region.cells(level, MOST_CELLS))
+        .flat_map(|level| there.region.cells(level, MAX_CELLS))
         .map(|placed| placed.cell.canonical().0)
         .collect();
     let cells = cells_of(&sent, &[9, 12]);

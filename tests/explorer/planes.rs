@@ -78,7 +78,7 @@ fn a_tile_has_the_answers_of_a_picture_of_its_starts() {
         let mut answered = 0;
         for (place, (status, values)) in picture(&scene, cell).into_iter().enumerate() {
             assert_eq!(samples.get(place).status, status, "{ask} {plane} {place}");
-            if status != Status::Flipped {
+            if status != Status::Answered {
                 continue;
             }
             answered += 1;

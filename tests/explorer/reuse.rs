@@ -8,7 +8,7 @@ use flipmap_engine::mock::MockEngine;
 use flipmap_numbers::Theta;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::cache::TILE_BYTES;
-use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, Region, side_rad};
 
@@ -64,7 +64,7 @@ fn another_view_begins_another_picture_and_a_moving_pointer_does_not() {
 /// Number of unflipped samples in the known cells of the view and the ring around it, at the
 /// level of the view.
 fn unflipped(explorer: &mut Explorer, target: &ViewTarget) -> usize {
-    let cells = target.region.scaled(3.0).cells(target.level, MOST_CELLS);
+    let cells = target.region.scaled(3.0).cells(target.level, MAX_CELLS);
     let cells: HashSet<Cell> = cells.into_iter().map(|placed| placed.cell.canonical().0).collect();
     let known = cells.into_iter().filter_map(|cell| Some(explorer.known(cell)?.0.samples.clone()));
     let unflipped = |outcome: &Outcome| outcome.status == Status::Unflipped;
@@ -198,7 +198,7 @@ fn several_turns_in_view_are_computed_once() {
     target.region.half_rad = [10.0, 8.0];
     let mut engine = Ledger::default();
     let mut explorer = explored(&target, &mut engine);
-    let placed = target.region.cells(2, MOST_CELLS).len();
+    let placed = target.region.cells(2, MAX_CELLS).len();
     assert!(placed > 60, "{placed}");
     // 16 cells of level 2, none of them entirely forbidden, and one cell of level 0.
     let cells: HashSet<Cell> = cells_of(&engine.jobs, &[0, 2]).into_iter().collect();

@@ -165,7 +165,7 @@ fn frames_are_asked_for_only_while_it_plays() {
 fn the_map_is_held_against_the_flight() {
     let (mut pins, ids) = flown(&Scene::default(), &[[2.2, 1.4]]);
     let truth = pins.get(ids[0]).unwrap().flight.outcome().unwrap();
-    assert_eq!(truth.status, Status::Flipped);
+    assert_eq!(truth.status, Status::Answered);
     for (told, words) in [
         (Outcome::flipped(truth.time.hi + 1e-4), "agree within 1 ms"),
         (Outcome::flipped(truth.time.hi + 0.0123), "differ by 12.3 ms!"),

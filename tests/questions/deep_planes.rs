@@ -87,7 +87,7 @@ fn outcome(scene: &Scene, start: &State<Long>, secs: f64) -> Outcome<Long> {
 fn jump(plane: &Plane, ends: [[f64; 2]; 2], secs: f64) -> [Long; 2] {
     let scene = Scene { plane: plane.clone(), ..Scene::default() };
     let time = |at: &[Long; 2]| match outcome(&scene, &start(plane, *at), secs) {
-        Outcome { status: Status::Flipped, time } => time.to_f64(),
+        Outcome { status: Status::Answered, time } => time.to_f64(),
         _ => secs,
     };
     let on_the_way = |k: u32| {

@@ -75,11 +75,11 @@ fn the_bob_that_goes_first_is_the_one_whose_own_flip_comes_first() {
     let [first, second] =
         [flipmap_pendulum::Rule::First, flipmap_pendulum::Rule::Second].map(flips);
     let secs = |samples: &Samples, k| match samples.get(k) {
-        Outcome { status: Status::Flipped, time } => time,
+        Outcome { status: Status::Answered, time } => time,
         _ => f64::INFINITY,
     };
     let mut seen = [0; 2];
-    for k in (0..900).filter(|k| samples.get(*k).status == Status::Flipped) {
+    for k in (0..900).filter(|k| samples.get(*k).status == Status::Answered) {
         let [bob, time] = [samples.values(k)[0], samples.values(k)[1]];
         let [one, two] = [secs(&first, k), secs(&second, k)];
         assert_eq!(bob, if one < two { 1.0 } else { 2.0 }, "{k}: {one} {two}");
@@ -128,8 +128,10 @@ fn the_third_flip_is_found_by_every_method() {
     for config in ALL_METHODS {
         let samples = by_cpu(&scene, side, config);
         let is_right = |k: &usize| match (truth[*k], samples.get(*k)) {
-            (Some(truth), Outcome { status: Status::Flipped, time }) => (truth - time).abs() < 1e-3,
-            (None, Outcome { status, .. }) => status != Status::Flipped,
+            (Some(truth), Outcome { status: Status::Answered, time }) => {
+                (truth - time).abs() < 1e-3
+            }
+            (None, Outcome { status, .. }) => status != Status::Answered,
             _ => false,
         };
         let right = (0..truth.len()).filter(is_right).count();

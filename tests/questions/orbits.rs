@@ -164,7 +164,7 @@ fn sure_exponents_and_returns_are_right_and_those_beyond_the_horizon_are_marked(
     for k in 0..81 {
         let ([mine, _], [its, _]) = (samples.values(k), finer.values(k)) else { panic!() };
         let is_sure = samples.trust(k) != Trust::Uncertain;
-        let answered = samples.get(k).status == Status::Flipped;
+        let answered = samples.get(k).status == Status::Answered;
         assert!(!is_sure || !answered || (mine - its).abs() < 2e-3, "{k}: {mine} {its}");
     }
 }
@@ -232,7 +232,7 @@ fn the_nearest_return_is_the_least_distance_along_the_orbit() {
         for (samples, allowed) in &by_config {
             let found = samples.values(k as usize)[0];
             let is_right = (found - least).abs() < *allowed
-                || (least.is_infinite() && samples.get(k as usize).status != Status::Flipped);
+                || (least.is_infinite() && samples.get(k as usize).status != Status::Answered);
             assert!(is_right, "{k}: {found} {least}");
         }
     }

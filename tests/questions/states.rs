@@ -159,7 +159,7 @@ fn rests(ask: Ask, config: IntegratorConfig, factor: f64, engine: &dyn Fn() -> B
     };
     let ((short, less), (long, more)) = (spent(100.0), spent(10_000.0));
     assert_eq!(short, long, "{ask} {config:?}");
-    assert!(short.iter().any(|outcome| outcome.status == Status::Flipped), "{ask} {config:?}");
+    assert!(short.iter().any(|outcome| outcome.status == Status::Answered), "{ask} {config:?}");
     assert!((more as f64) < factor * less as f64, "{ask} {config:?}: {more} beside {less}");
 }
 

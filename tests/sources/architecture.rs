@@ -250,7 +250,7 @@ fn the_picture_shader_is_valid_and_has_the_same_counterparts() {
         ("SIDE", f64::from(SIDE)),
         ("SLOTS_ALONG", f64::from(SLOTS_ALONG)),
         ("TABLE_ENTRIES", pipeline::TABLE_ENTRIES as f64),
-        ("FLIPPED", f64::from(Status::Flipped as u8)),
+        ("ANSWERED", f64::from(Status::Answered as u8)),
         ("FORBIDDEN", f64::from(Status::Forbidden as u8)),
         ("FAILED", f64::from(Status::Failed as u8)),
         ("UNCERTAIN", f64::from(Trust::Uncertain as u8)),
@@ -270,7 +270,7 @@ fn no_shader_file_has_status_codes_of_its_own() {
     for (name, text) in KERNEL_PARTS.iter().chain(&[("picture", PICTURE), ("kept", KEPT)]) {
         assert!(!own(text), "{name}");
     }
-    assert!(own("const FLIPPED: u32 = 1u;"), "the test can fail");
+    assert!(own("const ANSWERED: u32 = 1u;"), "the test can fail");
 }
 
 /// Whoever adds a question, a plane or a force leaves the kernels of home as they are: their speeds are

@@ -63,7 +63,7 @@ pub(crate) const STARTS: [&str; 6] =
 pub(crate) const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
 
 /// Most numbers that a pendulum can carry along.
-pub(crate) const MOST_CARRIED: usize = 25;
+pub(crate) const MAX_CARRIED: usize = 25;
 
 /// Names of the numbers that pendulums carry along for such ends, as devices keep them.
 pub(crate) fn carried_names(ends: Ends) -> Vec<&'static str> {

@@ -99,7 +99,7 @@ impl Adaptive {
             control,
             // A little more than the budget, so that f32 does not stop before it.
             budget: budget * (1.0 + 1e-6),
-            most_steps: most.min(f64::from(MOST_STEPS)) as u32,
+            most_steps: most.min(f64::from(MAX_STEPS)) as u32,
             unit_secs,
             budget_secs: question.budget_secs,
         }
@@ -113,7 +113,7 @@ impl Adaptive {
         // A speed of one bob may pass to the other, in proportion to the roots of their inertias.
         let ratio = (reduced.a.max(reduced.b) / reduced.least_det).sqrt().max(1.0);
         let more = 20.0 * self.budget * fastest * ratio * 2.0;
-        let most_steps = (f64::from(self.most_steps) + more).min(f64::from(MOST_STEPS)) as u32;
+        let most_steps = (f64::from(self.most_steps) + more).min(f64::from(MAX_STEPS)) as u32;
         Adaptive { most_steps, ..self }
     }
 
@@ -163,9 +163,9 @@ impl Steps {
         let length_secs = step_secs * (length / ideal);
         // Rounding may add a step that begins at the budget's end; no flip is lost or gained.
         let count = (question.budget_secs / length_secs).ceil();
-        if count > f64::from(MOST_STEPS) {
+        if count > f64::from(MAX_STEPS) {
             return Err(EngineError::Unsupported(format!(
-                "a budget of {} s is {count:.1e} steps of {step_secs} s; at most {MOST_STEPS} \
+                "a budget of {} s is {count:.1e} steps of {step_secs} s; at most {MAX_STEPS} \
                  are possible, so use a longer `step` or a shorter `budget`",
                 question.budget_secs
             )));
@@ -203,7 +203,7 @@ impl Steps {
 }
 
 /// Largest number of steps: kernels count them in 32 bits.
-const MOST_STEPS: u32 = 1 << 30;
+const MAX_STEPS: u32 = 1 << 30;
 
 #[cfg(test)]
 mod tests {
@@ -228,7 +228,7 @@ mod tests {
     fn the_last_step_may_be_used_in_part() {
         let steps = Steps::new(&question(0.0125), 1.0 / 120.0, Precision::F64).unwrap();
         assert_eq!(steps.count, 2);
-        assert_eq!(steps.outcome_of_pass(1, 0.49).status, Status::Flipped);
+        assert_eq!(steps.outcome_of_pass(1, 0.49).status, Status::Answered);
         assert_eq!(steps.outcome_of_pass(1, 0.51).status, Status::Unflipped);
     }
 

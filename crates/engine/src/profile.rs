@@ -59,7 +59,7 @@ pub struct ProfileRow {
 /// Side in pixels of the smallest picture whose open starts are timed.
 const SIDE: u32 = 160;
 /// Side in pixels of the largest one: as many starts as a job on a graphics card has.
-const LARGEST_SIDE: u32 = 8 * SIDE;
+const MAX_SIDE: u32 = 8 * SIDE;
 /// Seconds after which a run has filled a graphics card long enough to show its throughput.
 const LONG_SECS: f64 = 0.3;
 /// Number of starts that a slow configuration is timed on.
@@ -122,7 +122,7 @@ impl Profile {
                 Ok(mut engine) => {
                     let has_f64 = engine.verdict().require(Precision::F64).is_ok();
                     let configs = pairs.configs(hardware, has_f64);
-                    let largest = if hardware { LARGEST_SIDE } else { SIDE };
+                    let largest = if hardware { MAX_SIDE } else { SIDE };
                     profile.add(&mut engine, &name, configs, &sample, largest);
                     measured.push(info);
                 }
@@ -251,7 +251,7 @@ impl Sample {
         let answers = self.run(engine, config, &judged)?.outcomes;
         let close = |(answer, truth): &(&Outcome, &Outcome)| {
             answer.status == truth.status
-                && (answer.status != Status::Flipped || (answer.time - truth.time).abs() <= 1e-3)
+                && (answer.status != Status::Answered || (answer.time - truth.time).abs() <= 1e-3)
         };
         let right = answers.iter().zip(&self.truth).filter(close).count();
         let right = right as f64 / self.truth.len() as f64;
@@ -326,15 +326,15 @@ fn path() -> Option<PathBuf> {
 }
 
 /// Largest size of a profile in bytes: that of many adapters.
-const MOST_BYTES: u64 = 1 << 20;
+const MAX_BYTES: u64 = 1 << 20;
 
 fn read(path: &Path) -> Option<Profile> {
-    serde_json::from_slice(&read_plain(path, MOST_BYTES).ok()?).ok()
+    serde_json::from_slice(&read_plain(path, MAX_BYTES).ok()?).ok()
 }
 
 /// A sentence on why the file of a profile cannot be used, if it is there and damaged.
 fn damage(path: &Path) -> Option<String> {
-    let why = match read_plain(path, MOST_BYTES) {
+    let why = match read_plain(path, MAX_BYTES) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
         Err(error) => error.to_string(),
         Ok(bytes) => serde_json::from_slice::<Profile>(&bytes).err()?.to_string(),
@@ -406,7 +406,7 @@ mod tests {
         };
         let few = starts_timed(SIDE);
         // The mock engine answers at once, so that even the largest picture is soon done.
-        assert!(starts_timed(LARGEST_SIDE) > 60 * few, "{few}");
+        assert!(starts_timed(MAX_SIDE) > 60 * few, "{few}");
     }
 
     #[test]

@@ -155,7 +155,7 @@ fn with_step(method: Method, step: &str) -> Result<Method, RunSettingsError> {
 }
 
 /// Largest tolerance that is accepted.
-const LARGEST_TOLERANCE: f64 = 1e-2;
+const MAX_TOLERANCE: f64 = 1e-2;
 
 fn with_tolerance(
     method: Method,
@@ -171,13 +171,13 @@ fn with_tolerance(
             _ => format!("`tolerance` is '{text}'; it must be a number"),
         }));
     };
-    let within = |tolerance: f64| (least..=LARGEST_TOLERANCE).contains(&tolerance);
+    let within = |tolerance: f64| (least..=MAX_TOLERANCE).contains(&tolerance);
     if tolerant.tolerance().is_some_and(within) {
         return Ok(tolerant);
     }
     Err(RunSettingsError(format!(
         "`tolerance` is '{text}'; in {precision} it must lie between {least:e} and \
-         {LARGEST_TOLERANCE:e}"
+         {MAX_TOLERANCE:e}"
     )))
 }
 

@@ -5,13 +5,13 @@ use bytemuck::{Pod, Zeroable};
 
 use flipmap_pendulum::Status;
 
-/// The status codes as WGSL constants: `FLIPPED` and so on.
+/// The status codes as WGSL constants: `ANSWERED` and so on.
 pub fn status_constants() -> String {
     let line = |status: Status| {
         let name = format!("{status:?}").to_uppercase();
         format!("const {name}: u32 = {}u;\n", status as u8)
     };
-    let all = [Status::Unflipped, Status::Flipped, Status::Forbidden, Status::Failed];
+    let all = [Status::Unflipped, Status::Answered, Status::Forbidden, Status::Failed];
     all.map(line).concat() + &format!("const RUNNING: u32 = {RUNNING}u;\n")
 }
 
@@ -21,7 +21,7 @@ pub(crate) const RUNNING: u32 = 255;
 
 /// The status in the low byte of an outcome's word; none for a pendulum that has not ended.
 pub(crate) fn status_of(word: u32) -> Option<Status> {
-    [Status::Unflipped, Status::Flipped, Status::Failed]
+    [Status::Unflipped, Status::Answered, Status::Failed]
         .into_iter()
         .find(|status| *status as u32 == word & 255)
 }

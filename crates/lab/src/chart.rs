@@ -62,7 +62,7 @@ const MARGIN: Vec2 = vec2(52.0, 32.0);
 /// Height of a row of the legend above the chart, in points.
 const HEAD: f32 = 18.0;
 /// Greatest number of points of a curve; more could not be told apart.
-const MOST_POINTS: usize = 800;
+const MAX_POINTS: usize = 800;
 
 impl Curve {
     /// Creates a solid curve with a name in the legend.
@@ -173,7 +173,7 @@ impl Chart {
     }
 
     fn places(&self, area: Rect, points: &[[f64; 2]]) -> Vec<Pos2> {
-        let stride = points.len().div_ceil(MOST_POINTS).max(1);
+        let stride = points.len().div_ceil(MAX_POINTS).max(1);
         let some = points.iter().step_by(stride).chain(points.last());
         // Values that are not finite have no place and must not reach the screen.
         some.filter(|point| point.iter().all(|x| x.is_finite()))

@@ -11,7 +11,7 @@ pub(crate) struct Clock {
 }
 
 /// Most seconds caught up at once, so that a window that was away does not race.
-const MOST_SECS: f64 = 0.25;
+const MAX_SECS: f64 = 0.25;
 
 impl Clock {
     /// Creates a clock at 0.
@@ -21,7 +21,7 @@ impl Clock {
 
     /// Adds `elapsed_secs` and returns the number of steps now due, which count as taken.
     pub(crate) fn due(&mut self, elapsed_secs: f64) -> usize {
-        self.left_secs += elapsed_secs.clamp(0.0, MOST_SECS);
+        self.left_secs += elapsed_secs.clamp(0.0, MAX_SECS);
         let due = (self.left_secs / self.step_secs + 1e-9).floor();
         self.left_secs = (self.left_secs - due * self.step_secs).max(0.0);
         self.taken += due as u64;

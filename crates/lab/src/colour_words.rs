@@ -15,7 +15,7 @@ const HUES: [(f64, &str); 9] = [
     (360.0, "red"),
 ];
 /// Spread of the channels below which a colour looks grey.
-const LEAST_CHROMA: f64 = 24.0;
+const MIN_CHROMA: f64 = 24.0;
 
 /// Returns a colour in one to three words, such as "dark blue".
 pub(super) fn colour_words(rgb: Rgb) -> String {
@@ -25,7 +25,7 @@ pub(super) fn colour_words(rgb: Rgb) -> String {
     if most < 36.0 {
         return if most < 6.0 { "black" } else { "nearly black" }.to_string();
     }
-    if chroma < LEAST_CHROMA {
+    if chroma < MIN_CHROMA {
         let steps = [(90.0, "dark grey"), (170.0, "grey"), (242.0, "light grey")];
         let step = steps.into_iter().find(|(up_to, _)| most < *up_to);
         return step.map_or("white", |(_, words)| words).to_string();

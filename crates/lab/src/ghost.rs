@@ -8,7 +8,7 @@ use super::drawing::{FigureCanvas, Tint, end};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use flipmap_pendulum::State;
-use flipmap_pendulum::simple::MOST_AMPLITUDE;
+use flipmap_pendulum::simple::MAX_AMPLITUDE;
 
 /// A live figure of a swing and its ghost.
 #[derive(Clone, Debug)]
@@ -25,7 +25,7 @@ impl Ghost {
     fn chart(&self, tint: &Tint) -> Chart {
         let simple = self.0.simple;
         let ratio = |amplitude: f64| simple.period_secs(amplitude) / simple.small_period_secs();
-        let at = |k: u32| f64::from(k) / 200.0 * MOST_AMPLITUDE;
+        let at = |k: u32| f64::from(k) / 200.0 * MAX_AMPLITUDE;
         let known = (0..=200).map(|k| [at(k), ratio(at(k))]).collect();
         let amplitude = self.0.amplitude.abs();
         Chart {

@@ -53,7 +53,7 @@ impl HomeMap {
         for (k, outcome) in (0..).zip(self.samples.iter()) {
             let [theta1, theta2] = grid.angle_from_pixel(k % side, k / side).map(|theta| theta.hi);
             let (status, secs) = match outcome.status {
-                Status::Flipped => ("flipped", outcome.time.to_string()),
+                Status::Answered => ("flipped", outcome.time.to_string()),
                 Status::Unflipped => ("unflipped", String::new()),
                 Status::Forbidden => ("forbidden", String::new()),
                 Status::Failed => ("failed", String::new()),

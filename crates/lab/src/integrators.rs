@@ -161,7 +161,7 @@ pub(crate) struct Integrators {
 }
 
 /// Simulated time in seconds after which the figure starts anew.
-const LONGEST_SECS: f64 = 120.0;
+const MAX_SECS: f64 = 120.0;
 
 impl Default for Integrators {
     fn default() -> Self {
@@ -268,7 +268,7 @@ impl LiveFigure for Integrators {
     }
 
     fn advance(&mut self, elapsed_secs: f64) {
-        if self.clock.secs() > LONGEST_SECS {
+        if self.clock.secs() > MAX_SECS {
             self.restart();
         }
         let from = self.clock.taken;

@@ -5,7 +5,7 @@ use egui::{Grid, Response, Ui};
 use super::clock::Clock;
 use super::controls::number;
 use super::drawing::{FigureCanvas, angle_of, end};
-use flipmap_pendulum::simple::{Crossings, MOST_AMPLITUDE, Simple, Swing};
+use flipmap_pendulum::simple::{Crossings, MAX_AMPLITUDE, Simple, Swing};
 
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;
@@ -53,7 +53,7 @@ impl SinglePendulumSimulation {
 
     /// Releases the pendulum again, at an angle.
     pub(super) fn release(&mut self, amplitude: f64) {
-        self.amplitude = amplitude.clamp(-MOST_AMPLITUDE, MOST_AMPLITUDE);
+        self.amplitude = amplitude.clamp(-MAX_AMPLITUDE, MAX_AMPLITUDE);
         self.swing = Swing { angle: self.amplitude, speed: 0.0 };
         self.clock = Clock::new(self.clock.step_secs);
         self.crossings = Crossings::default();
@@ -117,7 +117,7 @@ impl SinglePendulumSimulation {
             changed |= number(ui, "Rod r", " m", &mut self.simple.length, 0.1..=5.0);
             changed |= number(ui, "Mass m", " kg", &mut self.mass, 0.1..=8.0);
             changed |= number(ui, "Gravity g", " m/s²", &mut self.simple.gravity, 0.1..=30.0);
-            let range = -MOST_AMPLITUDE..=MOST_AMPLITUDE;
+            let range = -MAX_AMPLITUDE..=MAX_AMPLITUDE;
             changed |= number(ui, "Let go at θ", " rad", &mut amplitude, range);
         });
         if changed {

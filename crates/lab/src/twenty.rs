@@ -36,7 +36,7 @@ const MOST: f64 = 500.0;
 /// Number of steps between two readings.
 const READ_EVERY: u64 = 12;
 /// Longest simulated time in seconds; nothing new happens after it.
-const LONGEST_SECS: f64 = 60.0;
+const MAX_SECS: f64 = 60.0;
 
 impl Default for Twenty {
     fn default() -> Self {
@@ -152,7 +152,7 @@ impl LiveFigure for Twenty {
     }
 
     fn advance(&mut self, elapsed_secs: f64) {
-        if self.clock.secs() > LONGEST_SECS {
+        if self.clock.secs() > MAX_SECS {
             return;
         }
         let from = self.clock.taken;
@@ -224,7 +224,7 @@ impl LiveFigure for Twenty {
 
     fn csv(&self, secs: f64) -> String {
         let mut live = Twenty::new(self.start, self.count, self.nudge_rad);
-        while live.clock.secs() < secs.min(LONGEST_SECS) {
+        while live.clock.secs() < secs.min(MAX_SECS) {
             live.advance(0.1);
         }
         let mut text = "t,separation\n".to_string();

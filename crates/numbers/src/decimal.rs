@@ -120,23 +120,23 @@ impl<'de> Deserialize<'de> for Decimal {
 }
 
 /// Maximum length of a number in characters; longer strings are not meant as numbers.
-pub(super) const MOST_CHARACTERS: usize = 1000;
+pub(super) const MAX_CHARACTERS: usize = 1000;
 /// Maximum magnitude of a decimal exponent, for the same reason.
-const MOST_EXPONENT: usize = 2000;
+const MAX_EXPONENT: usize = 2000;
 
 /// Parses a decimal number, if it is one; exponents are allowed, digit separators are not.
 pub(super) fn parse(text: &str) -> Option<DBig> {
     let text = text.trim();
-    if text.len() > MOST_CHARACTERS || text.contains('_') {
+    if text.len() > MAX_CHARACTERS || text.contains('_') {
         return None;
     }
     // Read before the digits are: the longest exponents overflow.
     let exponent = text.split_once(['e', 'E']).map(|(_, exponent)| exponent.parse::<i64>());
-    if exponent.is_some_and(|e| !e.is_ok_and(|e| e.unsigned_abs() <= MOST_EXPONENT as u64)) {
+    if exponent.is_some_and(|e| !e.is_ok_and(|e| e.unsigned_abs() <= MAX_EXPONENT as u64)) {
         return None;
     }
     let value = DBig::from_str(text).ok()?;
-    (value.repr().exponent().unsigned_abs() <= MOST_EXPONENT).then_some(value)
+    (value.repr().exponent().unsigned_abs() <= MAX_EXPONENT).then_some(value)
 }
 
 /// Reads a decimal as the integer nearest to its product with 2^`bits`.

@@ -72,14 +72,14 @@ pub struct Course<T> {
 /// side, nothing happens; if all fall, zero is crossed at most once.
 pub fn course<T: Scalar, const N: usize>(control: &[T; N], side: T) -> Course<T> {
     let clearance = control.iter().fold(T::zero(), |most, &c| most.max(c.abs()));
-    let mut search = RootSearch { side, parts: MOST_PARTS, clearance };
+    let mut search = RootSearch { side, parts: MAX_PARTS, clearance };
     let change = search.change(control, [T::zero(), T::from_f64(1.0)]);
     Course { change, clearance: search.clearance }
 }
 
 /// Maximum number of parts into which a polynomial is cut: a pass takes about sixty, noise around
 /// zero any number.
-const MOST_PARTS: u32 = 400;
+const MAX_PARTS: u32 = 400;
 
 struct RootSearch<T> {
     side: T,

@@ -128,11 +128,11 @@ pub fn within<T: Scalar>(
     let (zero, one) = (T::zero(), T::from_f64(1.0));
     let (mut low, mut high) = ((zero, *before), (one, *after));
     let mut clearance = T::from_f64(FAR);
-    for _ in 0..MOST_PARTS {
+    for _ in 0..MAX_PARTS {
         let length = high.0 - low.0;
         let part = approach(&low.1, &high.1, bob, length * step);
         let plain = part.crosses || part.clearance > zero;
-        if !plain && length.to_f64() > SHORTEST_PART {
+        if !plain && length.to_f64() > MIN_PART {
             let middle = low.0 + length * T::from_f64(0.5);
             high = (middle, at(middle));
             continue;
@@ -158,9 +158,9 @@ pub fn within<T: Scalar>(
 }
 
 /// Share of a step below which parts are not halved: a shorter pass is as good as none.
-const SHORTEST_PART: f64 = 1e-7;
+const MIN_PART: f64 = 1e-7;
 /// Maximum number of parts in which a step is decided; a graze takes about sixty.
-const MOST_PARTS: usize = 400;
+const MAX_PARTS: usize = 400;
 
 pub(super) fn crosses<T: Scalar>(before: &StepState<T>, after: &StepState<T>, bob: usize) -> bool {
     let (y0, y1, zero) = (before.y(bob), after.y(bob), T::zero());
@@ -180,7 +180,7 @@ pub(super) fn crossing<T: Scalar>(
     let (mut low, mut high) = (begin, end);
     let before = begin.1;
     let mut fraction = inverse_cubic(bob, &low, &high, step);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         if !(fraction > low.0 && fraction < high.0) {
             fraction = (low.0 + high.0) * half;
         }
@@ -202,7 +202,7 @@ pub(super) fn crossing<T: Scalar>(
 }
 
 /// Maximum number of iterations: enough for 106 bits by bisection alone, should Newton never help.
-const MOST_STEPS: usize = 120;
+const MAX_STEPS: usize = 120;
 
 /// The fraction at y = 0 on the cubic fraction(y) that has the values and slopes of both ends.
 fn inverse_cubic<T: Scalar>(
@@ -234,7 +234,7 @@ pub(super) fn turning_point<T: Scalar>(
     let (mut low, mut high) = (zero, T::from_f64(1.0));
     let (mut at_low, mut at_high) = (before.speed[bob], after.speed[bob]);
     let mut turn = (high, *after);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let fraction = (low * at_high - high * at_low) / (at_high - at_low);
         let moment = at(fraction);
         let speed = moment.speed[bob];

@@ -71,8 +71,10 @@ impl FromStr for Rule {
 pub enum Status {
     /// No flip within the budget.
     Unflipped = 0,
-    /// A flip at the outcome's time.
-    Flipped = 1,
+    /// An answer to what was asked, such as a flip at the outcome's time. Files call it by what was
+    /// first asked.
+    #[serde(rename = "Flipped")]
+    Answered = 1,
     /// A flip proved impossible by energy conservation; never simulated.
     Forbidden = 2,
     /// A failure: the numbers stopped being finite, or the step limit was reached.
@@ -117,7 +119,7 @@ impl<T: Scalar> Outcome<T> {
     /// no number, is a failure of whatever computed it.
     pub fn flipped(time: T) -> Self {
         if time >= T::zero() {
-            Outcome { status: Status::Flipped, time }
+            Outcome { status: Status::Answered, time }
         } else {
             Outcome::without_time(Status::Failed)
         }

@@ -44,7 +44,7 @@ const GUARD_BITS: u32 = 10;
 const SPARE_BITS: u32 = 16;
 
 /// The least number of bits after the point: a phase in f64 shows nearly as many.
-const LEAST_BITS: u32 = 56;
+const MIN_BITS: u32 = 56;
 
 /// Number of bits after the point that a trajectory needs for differences of 2^−`size` from it to
 /// keep the digits of f64.
@@ -99,7 +99,7 @@ impl<const N: usize> FixedReference<N> {
     ) -> Self {
         let pendulum = pendulum.map(Fixed::resized);
         let (angle, speed) = (state.angle.map(Fixed::resized), state.speed.map(Fixed::resized));
-        let mut orbit = Orbit::with_bits(pendulum, State { angle, speed }, bits.max(LEAST_BITS));
+        let mut orbit = Orbit::with_bits(pendulum, State { angle, speed }, bits.max(MIN_BITS));
         let step = orbit.step();
         FixedReference { pendulum, orbit, step, into: Fixed::ZERO }
     }
@@ -142,7 +142,7 @@ impl<const N: usize> Reference for FixedReference<N> {
     }
 
     fn with_fewer_digits(&mut self, bits: u32) -> Option<Box<dyn Reference>> {
-        self.orbit.lower_bits(bits.max(LEAST_BITS));
+        self.orbit.lower_bits(bits.max(MIN_BITS));
         (limbs_for(bits) < N).then(|| from(&self.pendulum, &self.step.state(self.into), bits))
     }
 }

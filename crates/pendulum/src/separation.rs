@@ -63,7 +63,7 @@ pub struct Growth {
 }
 
 /// Minimum number of readings for a fit.
-const FEWEST_READINGS: usize = 8;
+const MIN_READINGS: usize = 8;
 
 impl Growth {
     /// Fits the least-squares line through the logarithms of the readings, up to the first that is
@@ -71,7 +71,7 @@ impl Growth {
     pub fn fit(readings: &[Reading]) -> Option<Growth> {
         let count = readings.iter().position(|reading| reading.separation_rad >= SATURATED_RAD);
         let readings = &readings[..count.unwrap_or(readings.len())];
-        if readings.len() < FEWEST_READINGS || readings.iter().any(|r| r.separation_rad <= 0.0) {
+        if readings.len() < MIN_READINGS || readings.iter().any(|r| r.separation_rad <= 0.0) {
             return None;
         }
         let points = || readings.iter().map(|r| (r.secs, r.separation_rad.ln()));

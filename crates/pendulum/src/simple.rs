@@ -115,7 +115,7 @@ fn agm(mut a: f64, mut b: f64) -> f64 {
 }
 
 /// The largest amplitude for which a period is plotted: a hundredth of a radian below the top.
-pub const MOST_AMPLITUDE: f64 = PI - 0.01;
+pub const MAX_AMPLITUDE: f64 = PI - 0.01;
 
 #[cfg(test)]
 mod tests {

@@ -15,7 +15,7 @@ pub type Tangents<T, S = T> = Phase<Dual<4, T, S>>;
 pub const LARGE: f64 = (1u64 << 40) as f64;
 
 /// Longest piece in which a tangent map is followed, in units of time.
-const LONGEST_PIECE: f64 = 16.0;
+const MAX_PIECE: f64 = 16.0;
 
 /// A state with the tangents of a start: the derivatives by its own numbers. `pendulum` is in
 /// reduced units.
@@ -60,7 +60,7 @@ impl TangentMap {
     #[must_use]
     pub fn followed_by(&self, pendulum: &Pendulum<f64>, phase: &Phase<f64>, by: f64) -> Self {
         // In pieces, so that no slope overflows.
-        let pieces = (by.abs() / LONGEST_PIECE).ceil().max(1.0);
+        let pieces = (by.abs() / MAX_PIECE).ceil().max(1.0);
         let piece = by / pieces;
         let (mut map, mut phase) = (*self, *phase);
         for _ in 0..pieces as u64 {

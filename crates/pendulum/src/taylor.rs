@@ -323,7 +323,7 @@ impl<T: Scalar> RecurrenceSeries<T> {
             .map(|order| radius(order) * scale.powf(1.0 / order as f64))
             .into_iter()
             .fold(f64::INFINITY, f64::min);
-        (shortest * SAFETY).min(if T::FLOATING { LONGEST_STEP } else { RADIUS_CHANGE * SAFETY })
+        (shortest * SAFETY).min(if T::FLOATING { MAX_STEP } else { RADIUS_CHANGE * SAFETY })
     }
 }
 
@@ -345,7 +345,7 @@ const ASIDE: f64 = 1e-6;
 /// The factor e⁻² and Jorba and Zou's safety exp(−0.7/(p−1)), taken once for all orders used.
 const SAFETY: f64 = 0.135_335_283 * 0.95;
 /// Maximum length of a step in its unit of time: a pendulum at an equilibrium has no time scale.
-const LONGEST_STEP: f64 = 1e3;
+const MAX_STEP: f64 = 1e3;
 /// Largest ratio of the radii of convergence of two steps: a seventh of a radius away it has changed by a
 /// seventh at most, and the estimates need some room. Steps in units of the radius before are limited by it.
 const RADIUS_CHANGE: f64 = 1.15;

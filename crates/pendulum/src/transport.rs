@@ -10,7 +10,7 @@ const STEP_TOLERANCE: f64 = 1e-13;
 /// First step to try, in units of time.
 const FIRST_STEP: f64 = 0.1;
 /// Shortest step, in units of time: a motion that needs shorter steps is not that of a pendulum.
-const SHORTEST_STEP: f64 = 1e-9;
+const MIN_STEP: f64 = 1e-9;
 
 /// The state that `phase` becomes after the reduced time `by`, which may be negative; NaN if it cannot
 /// be followed, as when the state is not finite. `pendulum` is in reduced units.
@@ -37,7 +37,7 @@ pub fn transported_as<T: Real>(
             left -= length;
         }
         step = length * dop853_factor(error, STEP_TOLERANCE).clamp(0.2, 4.0);
-        if error.is_nan() || step < SHORTEST_STEP.min(left) {
+        if error.is_nan() || step < MIN_STEP.min(left) {
             return phase.map(|number| number.lit(f64::NAN));
         }
     }

@@ -75,7 +75,7 @@ impl Flips {
     fn of(truth: &[Outcome]) -> Self {
         let times: Vec<f64> = truth
             .iter()
-            .filter(|outcome| outcome.status == Status::Flipped)
+            .filter(|outcome| outcome.status == Status::Answered)
             .map(|outcome| outcome.time)
             .collect();
         let unflipped = (truth.len() - times.len()) as f64 / truth.len() as f64;

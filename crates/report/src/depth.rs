@@ -353,7 +353,7 @@ mod tests {
         }
         let truth =
             PLACES[0].truth(&[128, 25_600, 51_300, 76_900, 102_600, 128_200], &|| false).unwrap();
-        let flips = truth.iter().filter(|outcome| outcome.status == Status::Flipped);
+        let flips = truth.iter().filter(|outcome| outcome.status == Status::Answered);
         let flips: Vec<f64> = flips.map(|outcome| outcome.time).collect();
         assert!(flips.windows(2).any(|pair| (pair[0] - pair[1]).abs() > 0.1), "{flips:?}");
         assert!(matches!(PLACES[0].truth(&[0], &|| true), Err(ReportError::Stopped)));

@@ -13,14 +13,14 @@ use flipmap_pendulum::Outcome;
 /// Starts of the first run, which compiles kernels, and of the second, which is timed roughly.
 const FIRST_STARTS: usize = 64;
 /// Least number of starts that makes a measurement.
-const LEAST_STARTS: usize = 256;
+const MIN_STARTS: usize = 256;
 /// Least number of starts for a fast config: the last, longest pendulums must not take most of the
 /// time. Graphics cards, including software ones, need full jobs to show their speed.
-const LEAST_STARTS_OF_FAST: usize = 1 << 14;
-/// Least number of starts for a fast config on an adapter; see [`LEAST_STARTS_OF_FAST`].
-const LEAST_STARTS_OF_GPU: usize = 1 << 16;
+const MIN_STARTS_OF_FAST: usize = 1 << 14;
+/// Least number of starts for a fast config on an adapter; see [`MIN_STARTS_OF_FAST`].
+const MIN_STARTS_OF_GPU: usize = 1 << 16;
 /// Least number of starts for a fast config with checks; see [`least_starts_of_exact`].
-const LEAST_STARTS_OF_EXACT: usize = 1 << 17;
+const MIN_STARTS_OF_EXACT: usize = 1 << 17;
 
 /// The context of a measurement besides an engine and a config.
 pub(super) struct Bench<'a> {
@@ -172,7 +172,7 @@ impl Bench<'_> {
         rough_us: f64,
     ) -> Result<Compared, ReportError> {
         let affordable = (self.care.compare_secs * 1e6 / rough_us) as usize;
-        let sample = spread(&self.test_set.sample, affordable.max(LEAST_STARTS));
+        let sample = spread(&self.test_set.sample, affordable.max(MIN_STARTS));
         let (starts, truth): (Vec<_>, Vec<_>) = sample.into_iter().unzip();
         let ran = self.run(engine, config, &starts)?;
         Ok(Compared { starts, truth, ran })
@@ -210,16 +210,16 @@ impl Bench<'_> {
 /// Least number of starts that makes a measurement of a config.
 pub(super) fn least_starts(config: &IntegratorConfig, is_gpu: bool) -> usize {
     match (is_slow(config), is_gpu) {
-        (true, _) => LEAST_STARTS,
-        (false, true) => LEAST_STARTS_OF_GPU,
-        (false, false) => LEAST_STARTS_OF_FAST,
+        (true, _) => MIN_STARTS,
+        (false, true) => MIN_STARTS_OF_GPU,
+        (false, false) => MIN_STARTS_OF_FAST,
     }
 }
 
 /// Least number of starts where each is checked: several jobs must be in flight, because each waits
 /// for its most doubtful pixel.
 pub(super) fn least_starts_of_exact(config: &IntegratorConfig) -> usize {
-    if is_slow(config) { LEAST_STARTS } else { LEAST_STARTS_OF_EXACT }
+    if is_slow(config) { MIN_STARTS } else { MIN_STARTS_OF_EXACT }
 }
 
 fn is_slow(config: &IntegratorConfig) -> bool {

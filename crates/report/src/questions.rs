@@ -89,7 +89,7 @@ impl Bench<'_> {
         }
         let truth = &truths.0[name];
         let error = |(k, truth): &QuestionTruth| {
-            let answered = samples.get(*k).status == Status::Flipped;
+            let answered = samples.get(*k).status == Status::Answered;
             error(ask, answered.then(|| samples.values(*k)), truth.as_deref())
         };
         let mut errors: Vec<f64> = truth.iter().map(error).collect();

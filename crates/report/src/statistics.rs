@@ -65,7 +65,7 @@ impl Errors {
 }
 
 fn both_flipped((answer, truth): &OutcomePair) -> bool {
-    answer.status == Status::Flipped && truth.status == Status::Flipped
+    answer.status == Status::Answered && truth.status == Status::Answered
 }
 
 fn distance((answer, truth): &OutcomePair) -> f64 {
@@ -76,7 +76,7 @@ fn distance((answer, truth): &OutcomePair) -> f64 {
 pub(crate) fn is_right(pair: &OutcomePair) -> bool {
     let same = pair.0.status == pair.1.status;
     // Written so that a NaN is wrong.
-    same && (pair.1.status != Status::Flipped || distance(pair) <= RIGHT_SECS)
+    same && (pair.1.status != Status::Answered || distance(pair) <= RIGHT_SECS)
 }
 
 /// Computes the errors for each band of true flip times, including empty bands.
@@ -90,7 +90,7 @@ pub(crate) fn bands(pairs: &[OutcomePair]) -> Vec<Band> {
         // A flip at the end of the budget belongs to the last band.
         let last = to == BAND_BOUNDS[BAND_BOUNDS.len() - 1];
         band(format!("{from}–{to} s"), &|truth| {
-            truth.status == Status::Flipped
+            truth.status == Status::Answered
                 && truth.time >= from
                 && (truth.time < to || (last && truth.time <= to))
         })

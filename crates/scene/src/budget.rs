@@ -19,7 +19,7 @@ pub struct Budget {
 }
 
 /// The least automatic budget: that of the home map (30 s), in the default pendulum's units.
-const LEAST_UNITS: f64 = 93.962_758_580_194_95;
+const MIN_UNITS: f64 = 93.962_758_580_194_95;
 /// Decades by which the pixels of a picture are closer together than its sides.
 const PIXEL_DECADES: f64 = 3.0;
 /// Units of time per decade of width where growth is not measured. On most filaments that views
@@ -27,11 +27,11 @@ const PIXEL_DECADES: f64 = 3.0;
 const UNITS_A_DECADE: f64 = 10.44;
 /// Longest time that growth is waited for, as a multiple of [`UNITS_A_DECADE`]: in views wider than
 /// a few thousandths of a radian the middle says little about the rest.
-const MOST_WAITED: f64 = 3.0;
+const MAX_WAITED: f64 = 3.0;
 /// Step of automatic budgets in units of time, so that moving a little recomputes nothing.
 const STEP_UNITS: f64 = 15.660_459_763_365_825;
 /// Number of settled budgets that are kept.
-const MOST_SETTLED: usize = 64;
+const MAX_SETTLED: usize = 64;
 
 /// The automatic budgets settled last, in s: a scene is settled many times on its way.
 static SETTLED: Mutex<VecDeque<(Build, View, f64)>> = Mutex::new(VecDeque::new());
@@ -64,7 +64,7 @@ impl Budget {
         let secs = known(build, view).unwrap_or_else(|| {
             let secs = settle(build, view);
             let mut settled = SETTLED.lock().unwrap_or_else(PoisonError::into_inner);
-            settled.truncate(MOST_SETTLED - 1);
+            settled.truncate(MAX_SETTLED - 1);
             settled.push_front((*build, view.clone(), secs));
             secs
         });
@@ -93,13 +93,13 @@ fn known(build: &Build, view: &View) -> Option<f64> {
 /// The automatic budget of a view, in s.
 fn settle(build: &Build, view: &View) -> f64 {
     let width = view.width_rad().to_f64();
-    let most = MOST_WAITED * UNITS_A_DECADE * decades(width);
+    let most = MAX_WAITED * UNITS_A_DECADE * decades(width);
     let grown = || {
         let (pendulum, _) = build.reduced_in();
         time_to_grow(&pendulum, view.center_rad(), decades(width) + PIXEL_DECADES, most)
     };
     // What happens within the least budget decides nothing.
-    let units = (most > LEAST_UNITS).then(grown).flatten();
+    let units = (most > MIN_UNITS).then(grown).flatten();
     in_steps(build, units.unwrap_or(expected_units(width)))
 }
 
@@ -109,12 +109,12 @@ fn decades(width: f64) -> f64 {
 }
 
 fn expected_units(width: f64) -> f64 {
-    (UNITS_A_DECADE * decades(width)).max(LEAST_UNITS)
+    (UNITS_A_DECADE * decades(width)).max(MIN_UNITS)
 }
 
 /// The budget in s that lasts `units` units of time, at least that of the home map.
 fn in_steps(build: &Build, units: f64) -> f64 {
-    let steps = (units.max(LEAST_UNITS) / STEP_UNITS).ceil();
+    let steps = (units.max(MIN_UNITS) / STEP_UNITS).ceil();
     // Whole seconds for the default pendulum.
     (steps * STEP_UNITS * build.unit_secs() * 100.0).round() / 100.0
 }

@@ -25,7 +25,7 @@ pub const BUILT_IN: [BuiltIn; SCENES.len()] = {
 };
 
 /// Likeness (Jaro and Winkler's) from which on a name is taken for a mistyped one.
-const LEAST_LIKENESS: f64 = 0.8;
+const MIN_LIKENESS: f64 = 0.8;
 
 impl BuiltIn {
     /// Finds the scene called `name`.
@@ -41,7 +41,7 @@ impl BuiltIn {
     /// The scene whose name is most like a mistyped one, if any is.
     pub fn like(name: &str) -> Option<Self> {
         let likeness = |scene: &BuiltIn| strsim::jaro_winkler(scene.name, &name.to_lowercase());
-        let all = BUILT_IN.into_iter().filter(|scene| likeness(scene) > LEAST_LIKENESS);
+        let all = BUILT_IN.into_iter().filter(|scene| likeness(scene) > MIN_LIKENESS);
         all.max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
     }
 

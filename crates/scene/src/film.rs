@@ -109,11 +109,11 @@ pub enum FilmError {
 }
 
 /// Largest number of samples in a frame.
-const MOST_SAMPLES: u64 = 500_000_000;
+const MAX_SAMPLES: u64 = 500_000_000;
 
 impl Film {
     /// Largest number of frames: those of nearly an hour. More take too long to plan.
-    pub const MOST_FRAMES: u32 = 100_000;
+    pub const MAX_FRAMES: u32 = 100_000;
 
     /// Refuses keys that do not make a film; each key has been checked by itself before.
     pub fn check(&self) -> Result<(), FilmError> {
@@ -121,12 +121,12 @@ impl Film {
             let fine = (least..=most).contains(&value);
             if fine { Ok(()) } else { Err(FilmError::Range { setting, value, least, most }) }
         };
-        range("frames", f64::from(self.frames), 2.0, f64::from(Self::MOST_FRAMES))?;
+        range("frames", f64::from(self.frames), 2.0, f64::from(Self::MAX_FRAMES))?;
         range("fps", self.fps, 0.1, 1000.0)?;
         let [first, _, ..] = &self.keys[..] else { return Err(FilmError::Few(self.keys.len())) };
         let (size, samples) = (self.size, first.scene.picture.samples.along());
         let [width, height] = size.map(|side| u64::from(side) * u64::from(samples));
-        if width * height > MOST_SAMPLES {
+        if width * height > MAX_SAMPLES {
             return Err(FilmError::Large { size, samples });
         }
         let is_of_flips = self.kind() == FilmKind::Flips;

@@ -414,7 +414,7 @@ mod tests {
         assert_eq!(fate(["0", "0"], Rule::Second), known(Status::Forbidden));
         assert!(matches!(fate(["3", "3"], Rule::Second), Fate::Open(_)));
         // Just before the top, θ1 = 2 pushes the second bob over it, and θ1 = −2 away from it.
-        let Fate::Known(Outcome { status: Status::Flipped, time }) = fate(["2", pi], Rule::Second)
+        let Fate::Known(Outcome { status: Status::Answered, time }) = fate(["2", pi], Rule::Second)
         else {
             panic!()
         };

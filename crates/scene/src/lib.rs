@@ -41,7 +41,7 @@ pub use question_table::QuestionTable;
 pub use scene_error::SceneError;
 pub use turn::Turn;
 pub use upright::UprightGrid;
-pub use view::{LEAST_WIDTH, View};
+pub use view::{MIN_WIDTH, View};
 pub use words::Word;
 
 use serde::{Deserialize, Serialize};

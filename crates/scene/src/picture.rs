@@ -162,7 +162,7 @@ impl PictureTable {
     /// Samples per pixel along each axis where colours change, in adaptive sampling.
     pub const ADAPTIVE: u32 = 3;
     /// Largest number of pixels of a picture that is sampled adaptively: all are held at once.
-    const MOST_ADAPTIVE: u64 = 1 << 25;
+    const MAX_ADAPTIVE: u64 = 1 << 25;
     /// Range of the number of times that the palette can be run through.
     pub const CYCLES: std::ops::RangeInclusive<f64> = 1.0..=100.0;
     /// Range of the palette's offset.
@@ -174,22 +174,22 @@ impl PictureTable {
     /// Range of the times that colours can stand for, s.
     pub const SECS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
     /// Largest number of times in a stretched range.
-    pub const MOST_TIMES: usize = 257;
+    pub const MAX_TIMES: usize = 257;
 
     /// Longest side of a picture in pixels.
-    pub const LONGEST_SIDE: u32 = 1_000_000;
+    pub const MAX_SIDE: u32 = 1_000_000;
     /// Largest number of samples in a row of a picture.
-    const LONGEST_ROW: u32 = 1 << 20;
+    const MAX_ROW: u32 = 1 << 20;
 
     /// Checks that a picture of this size can be painted with these settings.
     pub fn check_size(&self, size: [u32; 2]) -> Result<(), SceneError> {
         let value = format!("{}x{}", size[0], size[1]);
         let refuse =
             |value: String, range: &'static str| Err(SceneError::new("size", value, range));
-        if !size.iter().all(|side| (1..=Self::LONGEST_SIDE).contains(side)) {
+        if !size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side)) {
             return refuse(value, "both sides must lie between 1 and 1000000 pixels");
         }
-        if size[0] * self.samples.along() > Self::LONGEST_ROW {
+        if size[0] * self.samples.along() > Self::MAX_ROW {
             let value = format!("{value} with `samples` {}", self.samples);
             return refuse(value, "at most 1048576 samples fit in a row");
         }
@@ -221,7 +221,7 @@ impl PictureTable {
 
     /// Returns true if all pixels of a picture can be held at once.
     fn fits_adaptive(size: [u32; 2]) -> bool {
-        size.into_iter().map(u64::from).product::<u64>() <= Self::MOST_ADAPTIVE
+        size.into_iter().map(u64::from).product::<u64>() <= Self::MAX_ADAPTIVE
     }
 
     /// The part of a question's answers that is shown.
@@ -270,7 +270,7 @@ impl PictureTable {
                 return refuse(setting, value.to_string(), words);
             }
         }
-        let few = matches!(self.times.len(), 0 | 2..=Self::MOST_TIMES);
+        let few = matches!(self.times.len(), 0 | 2..=Self::MAX_TIMES);
         if !few || !self.times.iter().all(|secs| Self::SECS.contains(secs)) || !rise(&self.times) {
             let range = "it must be 2 to 257 times between 1e-9 and 1e6 s, each later than the \
                          one before";

@@ -204,7 +204,7 @@ impl Plane {
             return refuse("energy", format!("'{}'", self.energy), Self::ENERGY_IS_FOR);
         }
         let Pendulum { p, q, .. } = build.pendulum();
-        if !self.energy.is_finite() || self.energy.abs() > MOST_ENERGY {
+        if !self.energy.is_finite() || self.energy.abs() > MAX_ENERGY {
             return refuse(
                 "energy",
                 self.energy.to_string(),
@@ -311,7 +311,7 @@ const FASTEST: f64 = 16.0;
 /// Largest number in an origin.
 const MOST: f64 = 1e6;
 /// Largest energy of a section, J.
-const MOST_ENERGY: f64 = 1e12;
+const MAX_ENERGY: f64 = 1e12;
 
 /// An angle in (−π, π]. Within one turn there is nothing to wrap, and no rounding to fear.
 pub(super) fn wrapped(angle: Dd) -> Dd {

@@ -44,7 +44,7 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 
 impl QuestionTable {
     /// Largest number of a flip that can be asked for.
-    pub const MOST_COUNT: u32 = 1_000_000;
+    pub const MAX_COUNT: u32 = 1_000_000;
 
     /// The questions that have a rule, as a phrase.
     pub(super) const RULE_IS_FOR: &str =
@@ -91,7 +91,7 @@ impl QuestionTable {
         let refuse = |setting, value: String, range: &'static str| {
             Err(SceneError::new(setting, value, range))
         };
-        if !(1..=Self::MOST_COUNT).contains(&self.count) {
+        if !(1..=Self::MAX_COUNT).contains(&self.count) {
             return refuse("count", self.count.to_string(), "it must lie between 1 and 1000000");
         }
         if self.rule != Rule::default() && !self.has_rule() {

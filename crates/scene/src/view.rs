@@ -9,10 +9,10 @@ use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError};
 use flipmap_numbers::{Dd, Scalar, Theta};
 
 /// Smallest width of a view in rad.
-pub const LEAST_WIDTH: f64 = 1e-100;
+pub const MIN_WIDTH: f64 = 1e-100;
 
 /// Largest error of a centre that stands for π, as a share of the view's width.
-const MOST_ERROR_OF_PI: f64 = 1e-15;
+const MAX_ERROR_OF_PI: f64 = 1e-15;
 
 /// A centre, a width, and the way the picture lies on the plane. Coordinates are decimal strings,
 /// so that no digit is lost between a file and the arithmetic.
@@ -77,7 +77,7 @@ impl View {
             );
             refuse_unless(fine, "center", &shortened(coordinate), range)?;
         }
-        let width = Dd::parse(&self.width).is_some_and(|w| (LEAST_WIDTH..=1e3).contains(&w.hi));
+        let width = Dd::parse(&self.width).is_some_and(|w| (MIN_WIDTH..=1e3).contains(&w.hi));
         let range = format!("it must be a decimal number between 1e-100 and 1e3 {}", units[0]);
         refuse_unless(width, "width", &self.width, range)?;
         let rotate = (-360.0..=360.0).contains(&self.rotate);
@@ -91,7 +91,7 @@ impl View {
     /// The centre in rad; call [`View::check`] first. A coordinate that differs from ±π only in its
     /// last digits, far below a pixel, counts as exactly ±π, so that symmetry is detected.
     pub fn center_rad(&self) -> [Theta; 2] {
-        let error_rad = MOST_ERROR_OF_PI * self.width_rad().hi;
+        let error_rad = MAX_ERROR_OF_PI * self.width_rad().hi;
         self.center.each_ref().map(|text| {
             let theta = Theta::parse(text).unwrap_or_default();
             let pi = if theta < Theta::ZERO { -Theta::pi() } else { Theta::pi() };

@@ -6,7 +6,7 @@ use glam::{DMat2, DVec2};
 use super::reach::Reach;
 use flipmap_numbers::{Scalar, Theta};
 use flipmap_scene::lattice::{DEEPEST, Region, pitch_rad};
-use flipmap_scene::{BuiltIn, LEAST_WIDTH, View};
+use flipmap_scene::{BuiltIn, MIN_WIDTH, View};
 
 /// A view as numbers, in the radians of the lattice; on the torus these are those of the angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,16 +24,16 @@ pub struct Camera {
 }
 
 /// Smallest and largest width that the window zooms to, in rad.
-const LEAST_WIDTH_RAD: f64 = LEAST_WIDTH;
-const LARGEST_WIDTH_RAD: f64 = 4.0 * std::f64::consts::TAU;
+const MIN_WIDTH_RAD: f64 = MIN_WIDTH;
+const MAX_WIDTH_RAD: f64 = 4.0 * std::f64::consts::TAU;
 /// Largest factor by which the window stretches a map, either way: beyond it, the samples of a
 /// screen are too many, because they are square.
-const MOST_STRETCH: f64 = 16.0;
+const MAX_STRETCH: f64 = 16.0;
 /// Share of a bounded plane's square that its home view shows.
 const HOME_SHARE: f64 = 0.25;
 /// Largest width of a sample in physical pixels before the next level is drawn. That level has four times
 /// as many samples, so no view has more than 1.3 of them along a pixel; edges get finer ones later.
-const LARGEST_SAMPLE_PX: f64 = 2.0 / 1.3;
+const MAX_SAMPLE_PX: f64 = 2.0 / 1.3;
 
 impl Camera {
     /// Returns the numbers of a checked view of a plane.
@@ -104,12 +104,12 @@ impl Camera {
     /// Returns the camera stretched by a factor, as far as the window stretches.
     pub(crate) fn stretched(&self, factor: f64) -> Self {
         // A view that was opened may be stretched more.
-        let (least, most) = (self.stretch.min(1.0 / MOST_STRETCH), self.stretch.max(MOST_STRETCH));
+        let (least, most) = (self.stretch.min(1.0 / MAX_STRETCH), self.stretch.max(MAX_STRETCH));
         Camera { stretch: (self.stretch * factor).clamp(least, most), ..*self }
     }
 
     fn within_reach(self) -> Self {
-        let width_rad = self.width_rad.clamp(LEAST_WIDTH_RAD, LARGEST_WIDTH_RAD);
+        let width_rad = self.width_rad.clamp(MIN_WIDTH_RAD, MAX_WIDTH_RAD);
         Camera { width_rad, ..self }
     }
 
@@ -179,7 +179,7 @@ impl Screen {
     pub fn level(&self) -> u32 {
         let map = self.plane_from_screen();
         let pixel_rad = map.x_axis.length().min(map.y_axis.length()) / self.pixels_per_point;
-        let fine = |level: &u32| pitch_rad(*level) <= LARGEST_SAMPLE_PX * pixel_rad * (1.0 + 1e-9);
+        let fine = |level: &u32| pitch_rad(*level) <= MAX_SAMPLE_PX * pixel_rad * (1.0 + 1e-9);
         (0..DEEPEST).find(fine).unwrap_or(DEEPEST)
     }
 }

@@ -46,11 +46,11 @@ fn told(scene: &Scene, answer: &Answer) -> String {
     let kind = question.ask.kind();
     let doubt = if answer.trust == Trust::Uncertain { ", uncertain" } else { "" };
     match answer.status {
-        Status::Flipped if question.ask.is_time() => match question.count {
+        Status::Answered if question.ask.is_time() => match question.count {
             1 => format!("flips after {:.4} s{doubt}", answer.values[0]),
             count => format!("flip {count} after {:.4} s{doubt}", answer.values[0]),
         },
-        Status::Flipped => {
+        Status::Answered => {
             let values = kind.channels.iter().zip(answer.values);
             values
                 .map(|(channel, value)| value_words(channel, value))
@@ -82,11 +82,11 @@ fn value_words(Channel { name, unit, right, scale }: &Channel, value: f64) -> St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_scene::question::{Ask, MOST_CHANNELS};
+    use flipmap_scene::question::{Ask, MAX_CHANNELS};
     use flipmap_scene::{Plane, QuestionTable};
 
     fn answer(status: Status, first: &[f64], trust: Trust) -> Option<Answer> {
-        let mut values = [0.0; MOST_CHANNELS];
+        let mut values = [0.0; MAX_CHANNELS];
         values[..first.len()].copy_from_slice(first);
         Some(Answer { status, values, trust })
     }
@@ -96,7 +96,7 @@ mod tests {
         let place = [-1.66, 0.1].map(Theta::from_f64);
         let home = Scene::default();
         let words = |answer, level| words_of(&Hovered { place, answer }, &home, level);
-        let flipped = answer(Status::Flipped, &[3.21], Trust::Uncertain);
+        let flipped = answer(Status::Answered, &[3.21], Trust::Uncertain);
         assert_eq!(
             words(flipped, 4),
             "θ1 -1.6600, θ2 0.1000 rad · flips after 3.2100 s, uncertain"
@@ -114,7 +114,7 @@ mod tests {
         let reach = Reach::of(&scene);
         let place = reach.place([7.0, -12.5].map(Theta::from_f64));
         let words = |answer| words_of(&Hovered { place, answer }, &scene, 5);
-        let first = answer(Status::Flipped, &[2.0, 1.5], Trust::Agreed);
+        let first = answer(Status::Answered, &[2.0, 1.5], Trust::Agreed);
         // 7 rad is 7 − 2π.
         assert_eq!(words(first), "θ1 0.717 rad, ω1 -12.500 rad/s · bob 2, time 1.5000 s");
         let none = answer(Status::Unflipped, &[], Trust::Agreed);

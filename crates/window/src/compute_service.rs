@@ -32,7 +32,7 @@ const PACE: Duration = Duration::from_millis(15);
 const NICENESS: i32 = 10;
 /// Number of failures, each within [`SOON`] of the last, after which an engine is not opened again
 /// until the user asks for it.
-const MOST_FAILURES: u32 = 3;
+const MAX_FAILURES: u32 = 3;
 const SOON: Duration = Duration::from_secs(60);
 
 /// The state of the engine: being opened, ready, or failed.
@@ -281,7 +281,7 @@ impl ComputeService {
         self.failed_at = Some(Instant::now());
         self.stage = ServiceState::Failed;
         self.explorer.ground();
-        let then = if self.failures < MOST_FAILURES {
+        let then = if self.failures < MAX_FAILURES {
             self.open();
             "The engine is being opened again."
         } else if self.request.kind != Some(EngineKind::Cpu) {

@@ -77,7 +77,7 @@ impl AppModel {
             return None;
         }
         ctx.request_repaint();
-        let elapsed_secs = f64::from(ctx.input(|input| input.stable_dt).min(LONGEST_FRAME_SECS));
+        let elapsed_secs = f64::from(ctx.input(|input| input.stable_dt).min(MAX_FRAME_SECS));
         let end_secs = self.films.draft.secs();
         self.films.draft.clock.advance(elapsed_secs, end_secs, true);
         self.previewed()
@@ -103,4 +103,4 @@ impl AppModel {
 }
 
 /// Longest time in s by which a frame advances the preview: what stalls the window does not skip a part.
-const LONGEST_FRAME_SECS: f32 = 0.2;
+const MAX_FRAME_SECS: f32 = 0.2;

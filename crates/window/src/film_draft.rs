@@ -74,7 +74,7 @@ impl FilmDraft {
     pub(crate) fn set_step(&mut self, place: usize, secs: f64) {
         let mut steps = self.steps_secs();
         if let Some(step) = steps.get_mut(place) {
-            *step = secs.max(LEAST_STEP_SECS);
+            *step = secs.max(MIN_STEP_SECS);
         }
         self.set_steps(&steps);
     }
@@ -168,7 +168,7 @@ impl FilmDraft {
 }
 
 /// Shortest time in s between two keys.
-const LEAST_STEP_SECS: f64 = 0.1;
+const MIN_STEP_SECS: f64 = 0.1;
 
 #[cfg(test)]
 mod tests {

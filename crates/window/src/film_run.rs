@@ -117,7 +117,7 @@ pub(super) fn film(
 }
 
 /// Largest number of bytes of a line that is read.
-const LONGEST_LINE: u64 = 1 << 16;
+const MAX_LINE: u64 = 1 << 16;
 
 /// Returns the lines of a stream as they come, read on a thread of their own.
 fn lines_of(stream: impl Read + Send + 'static) -> Receiver<String> {
@@ -125,7 +125,7 @@ fn lines_of(stream: impl Read + Send + 'static) -> Receiver<String> {
     std::thread::spawn(move || {
         let mut stream = BufReader::new(stream);
         let mut bytes = Vec::new();
-        while matches!((&mut stream).take(LONGEST_LINE).read_until(b'\n', &mut bytes), Ok(1..)) {
+        while matches!((&mut stream).take(MAX_LINE).read_until(b'\n', &mut bytes), Ok(1..)) {
             let line = String::from_utf8_lossy(&bytes).trim_end().to_string();
             bytes.clear();
             if sender.send(line).is_err() {

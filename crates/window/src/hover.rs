@@ -7,15 +7,15 @@ use flipmap_render::tiles::Stride;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::Turn;
 use flipmap_scene::lattice::{Cell, SIDE};
-use flipmap_scene::question::MOST_CHANNELS;
+use flipmap_scene::question::MAX_CHANNELS;
 
 /// The answer that the map shows for a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Answer {
-    /// Status: [`Status::Flipped`] if there is an answer.
+    /// Status: [`Status::Answered`] if there is an answer.
     pub status: Status,
     /// Values of the question's channels, and zeros.
-    pub values: [f64; MOST_CHANNELS],
+    pub values: [f64; MAX_CHANNELS],
     /// Degree to which it is sure.
     pub trust: Trust,
 }
@@ -46,7 +46,7 @@ pub(crate) fn answer_at(
     }
     let answer = known_at(explorer, Cell::around(angle, level), angle)?;
     // A sample computed for a larger budget may flip after the end of this one.
-    let is_flipped = answer.status == Status::Flipped;
+    let is_flipped = answer.status == Status::Answered;
     let late = is_flipped && until_secs.is_some_and(|until_secs| answer.values[0] > until_secs);
     Some(if late { Answer { status: Status::Unflipped, ..answer } } else { answer })
 }
@@ -71,7 +71,7 @@ fn answer_of(
     let (known, mirrored) = explorer.known(cell)?;
     let place = if mirrored { place.map(|k| SIDE - 1 - k) } else { place };
     let index = index(known.stride, place)? as usize;
-    let mut values = [0.0; MOST_CHANNELS];
+    let mut values = [0.0; MAX_CHANNELS];
     let known_values = known.samples.values(index);
     values[..known_values.len()].copy_from_slice(known_values);
     let Outcome { status, .. } = known.samples.get(index);
@@ -82,7 +82,7 @@ impl Answer {
     /// The outcome of a question about a time.
     pub(crate) fn outcome(&self) -> Outcome {
         match self.status {
-            Status::Flipped => Outcome::flipped(self.values[0]),
+            Status::Answered => Outcome::flipped(self.values[0]),
             other => Outcome::without_time(other),
         }
     }

@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use super::camera::Screen;
 use flipmap_numbers::{Scalar, Theta};
-use flipmap_render::tiles::explorer::MOST_CELLS;
+use flipmap_render::tiles::explorer::MAX_CELLS;
 use flipmap_scene::Axis;
 use flipmap_scene::lattice::side_rad;
 
@@ -205,7 +205,7 @@ pub(crate) fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
 pub(crate) fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
     let level = screen.level();
     let half = side_rad(level) / 2.0;
-    for placed in screen.region().cells(level, MOST_CELLS) {
+    for placed in screen.region().cells(level, MAX_CELLS) {
         let middle = DVec2::from_array(placed.offset);
         let corner =
             |x: f64, y: f64| position(rect, screen.point_of(middle + DVec2::new(x, y) * half));

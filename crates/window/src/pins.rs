@@ -9,10 +9,10 @@ use flipmap_pendulum::Outcome;
 use flipmap_scene::{Build, Scene};
 
 /// Largest number of pins at once.
-pub(crate) const MOST_PINS: usize = 8;
+pub(crate) const MAX_PINS: usize = 8;
 
 /// Okabe and Ito's colours, which colour-blind people can tell apart, with grey for their black.
-const COLOURS: [Color32; MOST_PINS] = [
+const COLOURS: [Color32; MAX_PINS] = [
     Color32::from_rgb(0xe6, 0x9f, 0x00),
     Color32::from_rgb(0x56, 0xb4, 0xe9),
     Color32::from_rgb(0x00, 0x9e, 0x73),
@@ -76,7 +76,7 @@ impl Pin {
 
 /// The error that all pins are in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("all {MOST_PINS} pins are in use; remove one to pin another pixel")]
+#[error("all {MAX_PINS} pins are in use; remove one to pin another pixel")]
 pub struct NoPinLeft;
 
 /// An action of the user on a pin, or on the clock of all pins.
@@ -169,7 +169,7 @@ impl Pins {
         wake: impl Fn() + Send + 'static,
     ) -> Result<PinId, NoPinLeft> {
         let free = |&slot: &usize| self.list.iter().all(|pin| pin.badge != Badge(slot));
-        let badge = Badge((0..MOST_PINS).find(free).ok_or(NoPinLeft)?);
+        let badge = Badge((0..MAX_PINS).find(free).ok_or(NoPinLeft)?);
         let id = PinId(self.next_id);
         self.next_id += 1;
         let flight = Flight::launch(self.question, start.launches, wake);
@@ -304,13 +304,13 @@ mod tests {
 
     #[test]
     fn there_are_eight_each_with_its_own_letter_and_colour() {
-        let (mut pins, ids) = with_pins(MOST_PINS);
+        let (mut pins, ids) = with_pins(MAX_PINS);
         let letters: String = pins.iter().map(|pin| pin.badge.letter()).collect();
         assert_eq!(letters, "ABCDEFGH");
         let colours: std::collections::HashSet<_> = pins.iter().map(|p| p.badge.colour()).collect();
-        assert_eq!(colours.len(), MOST_PINS);
+        assert_eq!(colours.len(), MAX_PINS);
         assert_eq!(pins.add(place(1.0), None, || ()), Err(NoPinLeft));
-        assert_eq!(pins.iter().len(), MOST_PINS);
+        assert_eq!(pins.iter().len(), MAX_PINS);
         pins.apply(PinAction::Remove(ids[2]));
         let again = pins.add(place(1.0), None, || ()).unwrap();
         assert_eq!(pins.get(again).unwrap().badge.letter(), 'C', "a letter becomes free again");

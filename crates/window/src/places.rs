@@ -55,7 +55,7 @@ pub enum PlaceError {
 }
 
 /// Longest side of a bookmark's picture in pixels; larger pictures are not bookmarks.
-const LONGEST_SIDE: u32 = 1024;
+const MAX_SIDE: u32 = 1024;
 
 impl Places {
     /// Loads the bookmarks in these folders; logs and leaves alone pictures that are not bookmarks.
@@ -167,7 +167,7 @@ fn name_of(path: &Path) -> Option<String> {
 }
 
 fn read(path: &Path) -> Result<Picture, PngError> {
-    picture_in_png(BufReader::new(open_plain(path)?), LONGEST_SIDE)
+    picture_in_png(BufReader::new(open_plain(path)?), MAX_SIDE)
 }
 
 fn write(path: &Path, picture: &Picture) -> Result<(), PngError> {

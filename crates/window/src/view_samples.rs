@@ -6,7 +6,7 @@ use super::camera::Screen;
 use super::hover::{Answer, known_near};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::Stride;
-use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::palette::AnswerColours;
 
@@ -27,7 +27,7 @@ pub(crate) fn whole_level(
 ) -> Option<(u32, Stride)> {
     let finest = screen.level();
     (finest.saturating_sub(most)..=finest).rev().find_map(|level| {
-        let cells = screen.region().cells(level, MOST_CELLS).into_iter();
+        let cells = screen.region().cells(level, MAX_CELLS).into_iter();
         let strides: Option<Vec<Stride>> =
             cells.map(|placed| Some(explorer.known(placed.cell)?.0.stride)).collect();
         Some((level, strides?.into_iter().max()?))
@@ -37,9 +37,9 @@ pub(crate) fn whole_level(
 /// Returns the known flip times of the samples in view at a level.
 pub(crate) fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> Vec<f64> {
     let mut times = Vec::new();
-    for placed in screen.region().cells(level, MOST_CELLS) {
+    for placed in screen.region().cells(level, MAX_CELLS) {
         if let Some((known, _)) = explorer.known(placed.cell) {
-            let flipped = |outcome: &Outcome| outcome.status == Status::Flipped;
+            let flipped = |outcome: &Outcome| outcome.status == Status::Answered;
             times.extend(known.samples.iter().filter(flipped).map(|outcome| outcome.time));
         }
     }

@@ -50,7 +50,7 @@ const FRAME: Duration = Duration::from_micros(16_600);
 /// Time until the next frame from which on the window is at rest.
 const REST: Duration = Duration::from_secs(1);
 /// Largest number of losses within [`LOSSES_WITHIN`] after which the device is opened again.
-const MOST_LOSSES: usize = 5;
+const MAX_LOSSES: usize = 5;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
 
 /// A window that the system has granted, its graphics device, and the model that it shows.
@@ -207,7 +207,7 @@ impl Runner {
         // The old surface must be gone before the window can have another one.
         let remains = open.host.into_remains();
         match EguiHost::new(event_loop, &open.window, &self.proxy, Some(remains)) {
-            Ok(host) if self.losses.len() <= MOST_LOSSES => {
+            Ok(host) if self.losses.len() <= MAX_LOSSES => {
                 open.model.forget_card();
                 let told = "The graphics device was lost and opened again; the map is as it was.";
                 open.model.state.notices.tell(told);

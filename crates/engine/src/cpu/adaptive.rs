@@ -4,7 +4,7 @@
 use std::marker::PhantomData;
 
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE, lane_of};
-use super::lanes::{Lanes, MOST_LANES};
+use super::lanes::{Lanes, MAX_LANES};
 use super::number::{Number, load_phase, store_phase};
 use super::pair::{EmbeddedPair, LaneStep, TopTest};
 use super::slowed::finish_slowed;
@@ -72,15 +72,15 @@ struct AdaptiveStretch<'a, 'b, N, P> {
 /// A step in which a bob of some lane may have been at the top.
 struct SuspectStep {
     /// The lanes' numbers before the step.
-    before: [[f64; MOST_LANES]; NUMBERS],
+    before: [[f64; MAX_LANES]; NUMBERS],
     /// Distance from the top that each lane's watched bobs keep in the step, as a sine; not positive where
     /// one may have crossed it.
-    clearance: [f64; MOST_LANES],
+    clearance: [f64; MAX_LANES],
 }
 
 impl SuspectStep {
     const NONE: SuspectStep =
-        SuspectStep { before: [[0.0; MOST_LANES]; NUMBERS], clearance: [FAR; MOST_LANES] };
+        SuspectStep { before: [[0.0; MAX_LANES]; NUMBERS], clearance: [FAR; MAX_LANES] };
 }
 
 impl<N: Number, P: TopTest> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P> {
@@ -89,7 +89,7 @@ impl<N: Number, P: TopTest> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P
     #[inline(always)]
     fn run(self, set: <N::Leading as Lanes>::Set) -> StretchEnd {
         let number = N::exactly(<N::Leading as Lanes>::splat(set, 1.0));
-        let lanes = |value: f64| [value; MOST_LANES];
+        let lanes = |value: f64| [value; MAX_LANES];
         let pendulum = self.pendulum.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
         let inverse_scale = [number.lit(self.inverse_scale[0]), number.lit(self.inverse_scale[1])];
         let adaptive = *self.adaptive;
@@ -173,7 +173,7 @@ impl<N: Number> LaneState<N> {
     }
 
     #[inline(always)]
-    fn store_rows(&self, rows: &mut [[f64; MOST_LANES]; NUMBERS]) {
+    fn store_rows(&self, rows: &mut [[f64; MAX_LANES]; NUMBERS]) {
         store_phase(&self.phase, rows);
         self.time.store(&mut rows[TIME]);
         self.time_low.store(&mut rows[TIME_LOW]);

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE, lane_of};
-use super::lanes::{Lanes, MOST_LANES};
+use super::lanes::{Lanes, MAX_LANES};
 use super::slowed::slowed_lanes;
 use super::stretch::{Stretch, StretchEnd, vectorized};
 use crate::pace::Steps;
@@ -27,7 +27,7 @@ pub(super) fn run<L: Lanes, const TERMS: usize>(
         reduced,
         steps,
     };
-    let mut suspect = SuspectStep { after: [[0.0; MOST_LANES]; 6], nearest: [0.0; MOST_LANES] };
+    let mut suspect = SuspectStep { after: [[0.0; MAX_LANES]; 6], nearest: [0.0; MAX_LANES] };
     fixed.finish_those_over();
     while fixed.scheduler.is_busy() {
         if fixed.scheduler.is_cancelled() {
@@ -64,16 +64,16 @@ struct FixedStretch<'a, const TERMS: usize> {
     compensated: bool,
     most: u32,
     /// The lanes' numbers, before the stretch and then after the steps taken.
-    rows: &'a mut [[f64; MOST_LANES]; NUMBERS],
+    rows: &'a mut [[f64; MAX_LANES]; NUMBERS],
     suspect: &'a mut SuspectStep,
 }
 
 /// A step in which a bob of some lane may have been at the top.
 struct SuspectStep {
     /// The lanes' numbers after the step.
-    after: [[f64; MOST_LANES]; 6],
+    after: [[f64; MAX_LANES]; 6],
     /// Largest angle from hanging, in rad, that each lane's watched bobs may have reached.
-    nearest: [f64; MOST_LANES],
+    nearest: [f64; MAX_LANES],
 }
 
 impl<L: Lanes, const TERMS: usize> Stretch<L> for FixedStretch<'_, TERMS> {
@@ -108,7 +108,7 @@ impl<L: Lanes, const TERMS: usize> Stretch<L> for FixedStretch<'_, TERMS> {
 
 /// The lanes' states from their rows, and what their angles lost to rounding.
 #[inline(always)]
-fn load<L: Lanes>(set: L::Set, rows: &[[f64; MOST_LANES]]) -> [State<L>; 2] {
+fn load<L: Lanes>(set: L::Set, rows: &[[f64; MAX_LANES]]) -> [State<L>; 2] {
     let zero = L::splat(set, 0.0);
     let angle = [L::load(set, &rows[0]), L::load(set, &rows[1])];
     let speed = [L::load(set, &rows[2]), L::load(set, &rows[3])];
@@ -118,7 +118,7 @@ fn load<L: Lanes>(set: L::Set, rows: &[[f64; MOST_LANES]]) -> [State<L>; 2] {
 
 /// Stores the lanes' states, and what their angles lost to rounding.
 #[inline(always)]
-fn store<L: Lanes>([state, rest]: [&State<L>; 2], rows: &mut [[f64; MOST_LANES]]) {
+fn store<L: Lanes>([state, rest]: [&State<L>; 2], rows: &mut [[f64; MAX_LANES]]) {
     let numbers = [state.angle, state.speed, rest.angle];
     for (row, lanes) in rows.iter_mut().zip(numbers.as_flattened()) {
         lanes.store(row);

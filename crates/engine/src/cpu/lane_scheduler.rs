@@ -27,7 +27,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::lanes::MOST_LANES;
+use super::lanes::MAX_LANES;
 use crate::pace::Pace;
 use crate::start::{TIME, TIME_LOW, phase_of};
 use crate::{
@@ -82,21 +82,21 @@ pub(super) struct LaneScheduler<'a> {
     /// The chunk that is computed.
     pub chunk: &'a Chunk<'a>,
     /// Each number of the state, lane by lane.
-    pub rows: [[f64; MOST_LANES]; NUMBERS],
+    pub rows: [[f64; MAX_LANES]; NUMBERS],
     /// Number of steps that each lane's pendulum has taken.
-    pub taken: [u32; MOST_LANES],
+    pub taken: [u32; MAX_LANES],
     /// Distance from the top that the watched bobs of each lane's pendulum have kept so far, as a
     /// sine.
-    pub clearance: [f64; MOST_LANES],
+    pub clearance: [f64; MAX_LANES],
     /// Whole turns of each bob of each lane's pendulum, where no bob is watched.
-    pub turns: [[f64; MOST_LANES]; 2],
+    pub turns: [[f64; MAX_LANES]; 2],
     /// Passes of each lane's pendulum so far (see [`Accumulators::passes`]).
-    pub passes: [[u32; 4]; MOST_LANES],
+    pub passes: [[u32; 4]; MAX_LANES],
     /// The results of the pendulums that are done.
     pub answer: ChunkResult,
     lanes: usize,
     /// Index of the start that each lane runs.
-    start: [usize; MOST_LANES],
+    start: [usize; MAX_LANES],
     idle: [f64; NUMBERS],
     next_start: usize,
     busy: usize,
@@ -104,7 +104,7 @@ pub(super) struct LaneScheduler<'a> {
 
 /// The numbers of a lane in rows of all lanes.
 #[inline]
-pub(super) fn lane_of<const N: usize>(rows: &[[f64; MOST_LANES]; N], lane: usize) -> [f64; N] {
+pub(super) fn lane_of<const N: usize>(rows: &[[f64; MAX_LANES]; N], lane: usize) -> [f64; N] {
     std::array::from_fn(|i| rows[i][lane])
 }
 
@@ -124,14 +124,14 @@ impl<'a> LaneScheduler<'a> {
         };
         let mut scheduler = LaneScheduler {
             chunk,
-            rows: [[0.0; MOST_LANES]; NUMBERS],
-            taken: [0; MOST_LANES],
-            clearance: [FAR; MOST_LANES],
-            turns: [[0.0; MOST_LANES]; 2],
-            passes: [[0; 4]; MOST_LANES],
+            rows: [[0.0; MAX_LANES]; NUMBERS],
+            taken: [0; MAX_LANES],
+            clearance: [FAR; MAX_LANES],
+            turns: [[0.0; MAX_LANES]; 2],
+            passes: [[0; 4]; MAX_LANES],
             answer,
             lanes,
-            start: [IDLE; MOST_LANES],
+            start: [IDLE; MAX_LANES],
             idle,
             next_start: 0,
             busy: 0,

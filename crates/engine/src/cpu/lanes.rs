@@ -45,7 +45,7 @@ pub(super) trait Lanes: Rounding + Angle {
 }
 
 /// Largest number of lanes in any register.
-pub(super) const MOST_LANES: usize = 16;
+pub(super) const MAX_LANES: usize = 16;
 
 macro_rules! lanes {
     ($name:ident, $float:ident, $register:ident, $count:ident, $magic:expr, $series:expr, $parts:expr,

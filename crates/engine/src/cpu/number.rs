@@ -4,7 +4,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-use super::lanes::{F32Lanes, F64Lanes, Lanes, MOST_LANES};
+use super::lanes::{F32Lanes, F64Lanes, Lanes, MAX_LANES};
 use flipmap_numbers::Real;
 use flipmap_numbers::dual::Narrow;
 use flipmap_pendulum::phase::Phase;
@@ -33,7 +33,7 @@ pub(super) trait Number: Real {
 #[inline(always)]
 pub(super) fn load_phase<N: Number>(
     set: <N::Leading as Lanes>::Set,
-    rows: &[[f64; MOST_LANES]],
+    rows: &[[f64; MAX_LANES]],
 ) -> Phase<N> {
     [
         N::load(set, &rows[0], &rows[6]),
@@ -47,7 +47,7 @@ pub(super) fn load_phase<N: Number>(
 
 /// Stores the lanes' unit vectors and momenta to such rows.
 #[inline(always)]
-pub(super) fn store_phase<N: Number>(phase: &Phase<N>, rows: &mut [[f64; MOST_LANES]]) {
+pub(super) fn store_phase<N: Number>(phase: &Phase<N>, rows: &mut [[f64; MAX_LANES]]) {
     let (high, low) = rows.split_at_mut(6);
     for i in 0..6 {
         phase[i].store(&mut high[i], &mut low[i]);

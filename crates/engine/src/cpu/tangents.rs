@@ -4,7 +4,7 @@
 use std::marker::PhantomData;
 
 use super::lane_scheduler::{Chunk, ChunkResult};
-use super::lanes::{Lanes, MOST_LANES};
+use super::lanes::{Lanes, MAX_LANES};
 use super::number::Number;
 use super::pair::EmbeddedPair;
 use super::step_control;
@@ -62,7 +62,7 @@ impl<N: Number + Narrow<N::Leading>, P: EmbeddedPair> Stretch<N::Leading> for Ta
         let mut result = ChunkResult::default();
         for starts in chunk.starts.chunks(count) {
             let mut lanes = TangentLanes::<N>::of(set, &exact, starts, end);
-            let mut logs = [0.0; MOST_LANES];
+            let mut logs = [0.0; MAX_LANES];
             for (log, start) in logs.iter_mut().zip(starts) {
                 *log = start.log_scale();
             }
@@ -109,7 +109,7 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
     ) -> Self {
         // Lanes without a start repeat the last one.
         let start = |lane: usize| &starts[lane.min(starts.len() - 1)];
-        let row = |value: &dyn Fn(&IntegratorState) -> f64| -> [f64; MOST_LANES] {
+        let row = |value: &dyn Fn(&IntegratorState) -> f64| -> [f64; MAX_LANES] {
             std::array::from_fn(|lane| value(start(lane)))
         };
         let load =
@@ -120,7 +120,7 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
             let slope = std::array::from_fn(|k| load(&|start| start.slopes()[i][k]));
             Dual { value: N::load(set, &high, &low), slope }
         });
-        let same = |value: f64| [value; MOST_LANES];
+        let same = |value: f64| [value; MAX_LANES];
         let pendulum = exact.map(|Dd { hi, lo }| N::load(set, &same(hi), &same(lo)));
         let scale = exact.to_f64().momentum_scale();
         let scale = scale.map(|scale| N::exactly(<N::Leading as Lanes>::splat(set, 1.0 / scale)));
@@ -198,12 +198,12 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
     /// Scales down the slopes of a lane where they have grown large, and adds the logarithm of the
     /// factor to `logs`.
     #[inline(always)]
-    fn keep_small(&mut self, set: <N::Leading as Lanes>::Set, logs: &mut [f64; MOST_LANES]) {
+    fn keep_small(&mut self, set: <N::Leading as Lanes>::Set, logs: &mut [f64; MAX_LANES]) {
         let mut most = self.time.lit(0.0);
         for slope in self.state.iter().flat_map(|number| number.slope) {
             most = most.max(slope.abs());
         }
-        let mut largest = [0.0; MOST_LANES];
+        let mut largest = [0.0; MAX_LANES];
         Lanes::store(most, &mut largest);
         let factor = largest.map(|largest| if largest > LARGE { 1.0 / LARGE } else { 1.0 });
         for (log, factor) in logs.iter_mut().zip(factor) {
@@ -219,12 +219,12 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
     #[inline(always)]
     fn states(
         &self,
-        logs: &[f64; MOST_LANES],
+        logs: &[f64; MAX_LANES],
         steps: u32,
         starts: &[IntegratorState],
     ) -> Vec<IntegratorState> {
         let rows = self.state.map(|number| {
-            let [mut high, mut low] = [[0.0; MOST_LANES]; 2];
+            let [mut high, mut low] = [[0.0; MAX_LANES]; 2];
             number.value.store(&mut high, &mut low);
             ([high, low], number.slope.map(row))
         });
@@ -266,8 +266,8 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
 
 /// The numbers in a register, lane by lane.
 #[inline(always)]
-fn row<L: Lanes>(lanes: L) -> [f64; MOST_LANES] {
-    let mut row = [0.0; MOST_LANES];
+fn row<L: Lanes>(lanes: L) -> [f64; MAX_LANES] {
+    let mut row = [0.0; MAX_LANES];
     Lanes::store(lanes, &mut row);
     row
 }

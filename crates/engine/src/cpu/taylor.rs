@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 
 use super::adaptive::{finish_those_over, idle};
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
-use super::lanes::{Lanes, MOST_LANES};
+use super::lanes::{Lanes, MAX_LANES};
 use super::number::{Number, load_phase, store_phase};
 use super::slowed::finish_slowed;
 use super::stretch::{Stretch, vectorized};
@@ -52,7 +52,7 @@ impl<N: Number, T: Scalar, const M: usize> Stretch<N::Leading> for TaylorRun<'_,
     fn run(self, set: <N::Leading as Lanes>::Set) -> Option<ChunkResult> {
         let TaylorRun { chunk, adaptive, from_parts, .. } = self;
         let (reduced, _) = chunk.question.reduced_in::<Dd>();
-        let lanes = |value: f64| [value; MOST_LANES];
+        let lanes = |value: f64| [value; MAX_LANES];
         let pendulum = reduced.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
         let near = reduced.to_f64();
         let inverse_scale = near.momentum_scale().map(|scale| 1.0 / scale);
@@ -159,7 +159,7 @@ fn reach<N: Number, const M: usize>(series: &[N; M], length: N::Leading) -> N::L
 }
 
 /// The reduced time into the step and the state then, for each lane that flips for the last time.
-type Flips = [Option<(f64, Phase<f64>)>; MOST_LANES];
+type Flips = [Option<(f64, Phase<f64>)>; MAX_LANES];
 
 /// Looks for passes in the lanes that may have made one, and counts them.
 #[inline(always)]
@@ -170,13 +170,13 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     (pendulum, adaptive): (&Pendulum<f64>, &Adaptive),
     from_parts: fn(f64, f64) -> T,
 ) -> Flips {
-    let (mut bounds, mut lengths) = ([0.0; MOST_LANES], [0.0; MOST_LANES]);
+    let (mut bounds, mut lengths) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
     clearance.store(&mut bounds);
     length.store(&mut lengths);
-    let mut times = [0.0; MOST_LANES];
+    let mut times = [0.0; MAX_LANES];
     state.time.store(&mut times);
     let all = [0, 1, 2, 3, 4, 5].map(|i| rows(&series.phase[i]));
-    let mut flips = [None; MOST_LANES];
+    let mut flips = [None; MAX_LANES];
     for lane in scheduler.running() {
         if bounds[lane] > 0.0 {
             scheduler.clearance[lane] = scheduler.clearance[lane].min(bounds[lane]);
@@ -255,7 +255,7 @@ fn passages_of_top<T: Scalar, const M: usize>(
 /// Lowers the lanes' clearances to those of a step.
 #[inline(always)]
 fn keep_least<L: Lanes>(scheduler: &mut LaneScheduler, clearance: L) {
-    let mut bounds = [FAR; MOST_LANES];
+    let mut bounds = [FAR; MAX_LANES];
     clearance.store(&mut bounds);
     for (kept, bound) in scheduler.clearance.iter_mut().zip(bounds) {
         *kept = kept.min(bound);
@@ -263,11 +263,11 @@ fn keep_least<L: Lanes>(scheduler: &mut LaneScheduler, clearance: L) {
 }
 
 /// The two parts of every coefficient, lane by lane.
-type Rows<const M: usize> = [[[f64; MOST_LANES]; 2]; M];
+type Rows<const M: usize> = [[[f64; MAX_LANES]; 2]; M];
 
 #[inline(always)]
 fn rows<N: Number, const M: usize>(series: &[N; M]) -> Rows<M> {
-    let mut rows = [[[0.0; MOST_LANES]; 2]; M];
+    let mut rows = [[[0.0; MAX_LANES]; 2]; M];
     for (parts, value) in rows.iter_mut().zip(series) {
         let [high, low] = parts;
         value.store(high, low);

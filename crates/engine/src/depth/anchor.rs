@@ -18,11 +18,11 @@ use flipmap_scene::lattice::{Cell, side_rad};
 const EVERY: u32 = 6;
 /// Least number of levels from an anchor down to a leaf, so that a view seldom needs more than two
 /// anchors. The rounding error of f64 below the anchor doubles with every level.
-const LEAST_BELOW: u32 = 6;
+const MIN_BELOW: u32 = 6;
 /// Largest number of levels from an anchor down to a leaf.
-pub(super) const DEEPEST_BELOW: u32 = LEAST_BELOW + EVERY - 1;
+pub(super) const DEEPEST_BELOW: u32 = MIN_BELOW + EVERY - 1;
 /// Largest number of anchors that are kept.
-const MOST_ANCHORS: usize = 64;
+const MAX_ANCHORS: usize = 64;
 /// Reduced time between two checks for cancellation.
 const SLICE: f64 = 1.0;
 
@@ -36,7 +36,7 @@ pub(super) struct Anchor {
 
 /// The level of the anchors of leaves.
 pub(super) fn anchor_level(leaf: u32) -> u32 {
-    leaf.saturating_sub(LEAST_BELOW) / EVERY * EVERY
+    leaf.saturating_sub(MIN_BELOW) / EVERY * EVERY
 }
 
 /// Number of decimal digits in which the anchors of leaves of a level are followed.
@@ -70,7 +70,7 @@ impl DomainSplitting {
 
     fn anchor(&self, cell: Cell) -> Arc<Mutex<Anchor>> {
         let mut anchors = self.anchors.lock().unwrap_or_else(|broken| broken.into_inner());
-        if anchors.len() >= MOST_ANCHORS && !anchors.contains_key(&cell) {
+        if anchors.len() >= MAX_ANCHORS && !anchors.contains_key(&cell) {
             anchors.clear();
         }
         anchors.entry(cell).or_insert_with(|| Arc::new(Mutex::new(self.anchored(cell)))).clone()

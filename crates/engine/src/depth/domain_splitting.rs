@@ -48,15 +48,15 @@ const TOLERANCE: f64 = 1e-12;
 /// The same tolerance for strict start maps, which check others and share no cut with them.
 const STRICT_TOLERANCE: f64 = 1e-13;
 /// Largest number of finished patches that are kept, of some 2 kB each.
-const MOST_FINISHED: usize = 20_000;
+const MAX_FINISHED: usize = 20_000;
 /// Largest extent of a strip's states along the bands, as a share of their extent across them.
-const MOST_ALONG: f64 = 0.25;
+const MAX_ALONG: f64 = 0.25;
 /// Least width of strips that are lines, in levels relative to leaves. There are few of them, and
 /// what is followed in one need not be integrated for every pixel.
-const LEAST_ACROSS: i32 = -3;
+const MIN_ACROSS: i32 = -3;
 /// Least area of strips that are not lines, in levels relative to leaves: following a smaller one
 /// costs more than integrating its pixels (measured).
-const LEAST_AREA: i32 = -3;
+const MIN_AREA: i32 = -3;
 /// Growth of the largest nudge beyond which all other nudges have grown into it, to one part in
 /// this number.
 const ALIGNED: f64 = 1e4;
@@ -207,7 +207,7 @@ impl DomainSplitting {
         let patch = Arc::new(FinishedPatch::new((&self.plane, part), node, end, wanted.budget));
         if !wanted.cancelled.load(Ordering::Relaxed) {
             let mut kept = self.finished.lock().unwrap_or_else(|broken| broken.into_inner());
-            if kept.len() >= MOST_FINISHED {
+            if kept.len() >= MAX_FINISHED {
                 kept.clear();
             }
             kept.insert(part.key, patch.clone());
@@ -350,8 +350,8 @@ impl DomainSplitting {
             return Some([true, along > 0 && is_long]);
         }
         let axes = if finished.curve(&self.dynamics).is_some() {
-            [across > LEAST_ACROSS && !is_long, false]
-        } else if across + along > LEAST_AREA {
+            [across > MIN_ACROSS && !is_long, false]
+        } else if across + along > MIN_AREA {
             [true, false]
         } else {
             [false; 2]
@@ -362,7 +362,7 @@ impl DomainSplitting {
     /// Returns true if the states of a patch also differ along the second axis.
     fn is_long(&self, patch: &FlowPatch) -> bool {
         let [across, along] = patch.extents(&self.dynamics);
-        along > MOST_ALONG * across
+        along > MAX_ALONG * across
     }
 }
 

@@ -23,7 +23,7 @@ use flipmap_pendulum::flow_patch::Dynamics;
 pub(super) type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
 
 /// Largest number of splittings that are kept.
-const MOST_SPLITTINGS: usize = 4;
+const MAX_SPLITTINGS: usize = 4;
 
 /// The known part of a deep job, to be merged with the wrapped engine's answers.
 pub(super) struct Awaited {
@@ -59,7 +59,7 @@ pub(super) fn splitting_of(
     if let Some(splitting) = splittings.iter().find(of) {
         return splitting.clone();
     }
-    if splittings.len() == MOST_SPLITTINGS {
+    if splittings.len() == MAX_SPLITTINGS {
         splittings.remove(0);
     }
     let splitting = DomainSplitting::new(question, deep, nudges);

@@ -28,7 +28,7 @@ const SHARE: f64 = 0.2;
 /// between two samples.
 const CLEAR: f64 = 4.0;
 /// Largest distance between neighbouring ends that still belong together.
-const MOST_APART: f64 = 0.3;
+const MAX_APART: f64 = 0.3;
 
 /// An interval of s, from `place` · 2^−`level` to (`place` + 1) · 2^−`level`, with starts in it.
 pub(super) struct Interval {
@@ -140,7 +140,7 @@ impl IntervalVerdict {
     pub(super) fn on(samples: [&Sample; SAMPLES], unit_secs: f64) -> Self {
         let jumps = samples.windows(2).filter(|pair| !pair[0].belongs_to(pair[1])).count();
         let status = samples[0].outcome.status;
-        if !matches!(status, Status::Flipped | Status::Unflipped) {
+        if !matches!(status, Status::Answered | Status::Unflipped) {
             return IntervalVerdict::Rough(SAMPLES);
         }
         if jumps > 0 {
@@ -170,7 +170,7 @@ impl IntervalVerdict {
 impl Sample {
     /// Returns true if it ends as its neighbour does, near it; false for NaN.
     fn belongs_to(&self, neighbour: &Sample) -> bool {
-        self.distance(neighbour) <= MOST_APART
+        self.distance(neighbour) <= MAX_APART
     }
 
     /// The distance of another end, infinite if only one of the two has flipped.

@@ -120,9 +120,9 @@ impl LineSamples {
 }
 
 /// Largest number of samples that are kept for one question and configuration.
-const MOST_SAMPLES: usize = 1 << 19;
+const MAX_SAMPLES: usize = 1 << 19;
 /// Largest number of questions and configurations whose samples are kept.
-const MOST_QUESTIONS: usize = 4;
+const MAX_QUESTIONS: usize = 4;
 
 /// Returns the samples for a job's question and configuration, emptied first if there are too many.
 pub(super) fn samples_of<'a>(all: &'a mut Vec<LineSamples>, job: &Job) -> &'a mut LineSamples {
@@ -131,10 +131,10 @@ pub(super) fn samples_of<'a>(all: &'a mut Vec<LineSamples>, job: &Job) -> &'a mu
         Some(index) => all.remove(index),
         None => LineSamples::new(job.question, job.config),
     };
-    if samples.count > MOST_SAMPLES && samples.asked.is_empty() {
+    if samples.count > MAX_SAMPLES && samples.asked.is_empty() {
         samples = LineSamples::new(job.question, job.config);
     }
-    if all.len() >= MOST_QUESTIONS {
+    if all.len() >= MAX_QUESTIONS {
         all.remove(0);
     }
     all.push(samples);

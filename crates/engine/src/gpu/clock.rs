@@ -14,7 +14,7 @@ pub(super) struct Slices {
 
 /// Least number of slices that a full budget is cut into, so that running pendulums are packed
 /// often enough.
-const LEAST_SLICES: u32 = 24;
+const MIN_SLICES: u32 = 24;
 
 /// Measured speeds. A step of few pendulums takes hardly less time than one of many, and kernels
 /// differ a hundredfold, so each kind of kernel has a speed for each order of magnitude of
@@ -70,7 +70,7 @@ impl StepClock {
         let Some(secs) = self.secs_per_step(design, running) else {
             return Slices { steps: tuning.first_slice, count: 1 };
         };
-        let most = (typical_steps / f64::from(LEAST_SLICES)).max(1.0);
+        let most = (typical_steps / f64::from(MIN_SLICES)).max(1.0);
         let wanted = tuning.pace.as_secs_f64() / secs;
         let steps = wanted.clamp(1.0, most) as u32;
         let count = (wanted / f64::from(steps)) as u32;

@@ -16,7 +16,7 @@ use crate::EngineError;
 
 /// Largest number of kernels that an engine keeps. A picture needs one, its checks and the other
 /// questions of a scene a few more; all that is lost with one is the time to compile it again.
-pub const MOST_KERNELS: usize = 24;
+pub const MAX_KERNELS: usize = 24;
 /// Time for which a scene has to stay the same before a kernel is compiled for it.
 const REST: Duration = Duration::from_millis(300);
 
@@ -114,7 +114,7 @@ impl Kernels {
     }
 }
 
-/// The things used most recently, at most [`MOST_KERNELS`], the latest at the end.
+/// The things used most recently, at most [`MAX_KERNELS`], the latest at the end.
 struct RecentlyUsed<T>(Vec<Arc<T>>);
 
 impl<T> Default for RecentlyUsed<T> {
@@ -138,7 +138,7 @@ impl<T> RecentlyUsed<T> {
     /// Adds a thing, in the place of the one that was not used for longest. Who still uses that
     /// one keeps it alive.
     fn add(&mut self, thing: T) -> Arc<T> {
-        if self.0.len() >= MOST_KERNELS {
+        if self.0.len() >= MAX_KERNELS {
             self.0.remove(0);
         }
         let thing = Arc::new(thing);
@@ -245,7 +245,7 @@ mod tests {
     #[test]
     fn the_kernels_used_last_are_kept() {
         let mut kept = RecentlyUsed::default();
-        for k in 0..MOST_KERNELS {
+        for k in 0..MAX_KERNELS {
             kept.add(k);
         }
         let held = kept.get(|&k| k == 1).unwrap();
@@ -253,10 +253,10 @@ mod tests {
         assert_eq!(kept.get(|&k| k == 0).as_deref(), Some(&0));
         kept.add(100);
         kept.add(101);
-        assert_eq!(kept.0.len(), MOST_KERNELS);
+        assert_eq!(kept.0.len(), MAX_KERNELS);
         let has = |k: usize| kept.has(|&kept| kept == k);
         assert!(has(0) && has(1) && has(100) && has(101) && !has(2) && !has(3) && has(4));
-        for k in 200..200 + MOST_KERNELS {
+        for k in 200..200 + MAX_KERNELS {
             kept.add(k);
         }
         assert!(kept.get(|&k| k == 1).is_none());

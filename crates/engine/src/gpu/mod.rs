@@ -27,7 +27,7 @@ use std::time::{Duration, Instant};
 use self::clock::StepClock;
 use self::device::Gpu;
 use self::kernel::Design;
-pub use self::kernels::MOST_KERNELS;
+pub use self::kernels::MAX_KERNELS;
 use self::kernels::{Haste, Kernels};
 use self::packing::Packer;
 use self::pipeline::Kernel;
@@ -40,7 +40,7 @@ use super::{
 };
 
 /// Largest number of losses after which the device is opened again.
-const MOST_LOSSES: u32 = 3;
+const MAX_LOSSES: u32 = 3;
 
 /// The engine that computes jobs on a graphics device.
 pub struct GpuEngine {
@@ -228,7 +228,7 @@ impl GpuEngine {
     /// Opens the device again and restarts all unfinished jobs.
     fn recover(&mut self) -> Result<(), EngineError> {
         self.losses += 1;
-        if self.losses > MOST_LOSSES {
+        if self.losses > MAX_LOSSES {
             return Err(EngineError::DeviceLost(format!("lost {} times", self.losses)));
         }
         let jobs: Vec<Job> = self.slots.drain(..).map(|slot| slot.job).collect();

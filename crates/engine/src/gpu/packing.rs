@@ -61,7 +61,7 @@ impl Packing {
         }
         let rest = if self.has_rest() { words[self.words() - 1] } else { 0 };
         let moment = [first, rest].map(f32::from_bits);
-        RawOutcome { status: Status::Flipped as u32, steps, moment, ..RawOutcome::default() }
+        RawOutcome { status: Status::Answered as u32, steps, moment, ..RawOutcome::default() }
     }
 }
 

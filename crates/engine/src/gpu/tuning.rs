@@ -62,10 +62,10 @@ impl GpuTuning {
         Ok(match key {
             "pace" => GpuTuning { pace: Duration::from_millis(number(1, 1000)?.into()), ..self },
             "first_slice" => GpuTuning { first_slice: number(1, 10_000)?, ..self },
-            "slices" => GpuTuning { slices: number(1, MOST_SLICES)?, ..self },
+            "slices" => GpuTuning { slices: number(1, MAX_SLICES)?, ..self },
             "slots" => GpuTuning { slots: number(1, 8)? as usize, ..self },
             "job_size" => {
-                GpuTuning { job_size: Some(number(1 << 10, MOST_STARTS)? as usize), ..self }
+                GpuTuning { job_size: Some(number(1 << 10, MAX_STARTS)? as usize), ..self }
             }
             "workgroup" => match number(32, 256)? {
                 size if size.is_power_of_two() => GpuTuning { workgroup: size, ..self },
@@ -84,9 +84,9 @@ impl GpuTuning {
 
 /// Largest number of starts in a job: a dispatch has at most 65,535 workgroups along a side, of at least
 /// 32 invocations each.
-const MOST_STARTS: u32 = 2_000_000;
+const MAX_STARTS: u32 = 2_000_000;
 /// Largest number of slices that a submission can have.
-pub(super) const MOST_SLICES: u32 = 16;
+pub(super) const MAX_SLICES: u32 = 16;
 
 #[cfg(test)]
 mod tests {

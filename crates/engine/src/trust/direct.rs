@@ -42,11 +42,11 @@ pub fn answer(
 /// seconds, because of its many digits.
 pub fn takes_long(question: &Question, apart_rad: f64) -> bool {
     let apart = DIGITS_APART - apart_rad.log10();
-    limbs(question, Ends::None, &State::rest([Theta::ZERO; 2]), apart) > MOST_LIMBS_IN_A_SECOND
+    limbs(question, Ends::None, &State::rest([Theta::ZERO; 2]), apart) > MAX_LIMBS_IN_A_SECOND
 }
 
 /// Largest number of limbs in which a minute of the home pendulum takes less than a second.
-const MOST_LIMBS_IN_A_SECOND: usize = 4;
+const MAX_LIMBS_IN_A_SECOND: usize = 4;
 
 /// Number of limbs of numbers with the digits that a start needs: those for the growth of errors, and
 /// those that tell a bob beside the top from one at it.
@@ -95,7 +95,7 @@ impl<'a, const N: usize> Direct<'a, N> {
                 oracle::outcome_in_bits(pendulum, start, rule, self.budget, &|at| self.bits(at))
             }
         };
-        let time = if outcome.status == Status::Flipped { outcome.time } else { self.budget };
+        let time = if outcome.status == Status::Answered { outcome.time } else { self.budget };
         let end = match ends {
             Ends::None => End::NOWHERE,
             _ => self.end(time, ends),

@@ -7,7 +7,7 @@
 //! it, and a distance of only d would be an accident: c's error, of known size and unknown sign,
 //! happened to lie within d of f's. The chance of that is about d/(Kτ); measurements confirm this
 //! down to the rarest cases that could be counted. Runs with errors of their own multiply their
-//! chances, and an answer is sure when the product is below [`MOST_CHANCE`].
+//! chances, and an answer is sure when the product is below [`MAX_CHANCE`].
 //!
 //! The tolerance applies to more than the time of the flip. Errors in the state must also be far
 //! below the height by which any earlier turn missed the top, and below the height by which the
@@ -48,7 +48,7 @@ const STATE: f64 = SAFETY * 1e-3;
 const UNLIKELY: f64 = 1e3;
 /// Largest accepted probability that an answer of the finest run is called right though it is
 /// wrong.
-const MOST_CHANCE: f64 = 1e-6;
+const MAX_CHANCE: f64 = 1e-6;
 
 /// An answer with its error scale.
 type Scaled<'a> = (f64, &'a (Run, RunResult));
@@ -113,7 +113,7 @@ impl Judge {
                 return others.iter().all(|(_, (_, other))| forbidden(other));
             }
             Status::Failed => return false,
-            Status::Flipped | Status::Unflipped => {}
+            Status::Answered | Status::Unflipped => {}
         }
         let allowed = self.allowed(answer);
         let (mut chance, mut independent) = (1.0, false);
@@ -129,14 +129,14 @@ impl Judge {
             independent |= other.is_independent_of(run);
         }
         let explained = finest_far.is_infinite() || finest_far * growth * UNLIKELY > LINEAR;
-        independent && chance <= MOST_CHANCE && explained
+        independent && chance <= MAX_CHANCE && explained
     }
 
     /// Error allowed in an answer's state.
     pub(super) fn allowed(&self, answer: &RunResult) -> f64 {
         let clearance = OF_CLEARANCE * answer.end.clearance;
         match answer.outcome.status {
-            Status::Flipped => self.tolerance.min(clearance).min(self.beyond(&answer.end.phase)),
+            Status::Answered => self.tolerance.min(clearance).min(self.beyond(&answer.end.phase)),
             _ => self.unflipped.min(clearance),
         }
     }
@@ -152,7 +152,7 @@ impl Judge {
     /// whichever is larger; none if both are forbidden, infinite if their statuses differ.
     pub(super) fn distance(&self, a: &RunResult, b: &RunResult) -> f64 {
         match (a.outcome.status, b.outcome.status) {
-            (Status::Flipped, Status::Flipped) => {
+            (Status::Answered, Status::Answered) => {
                 let between = self.between(&a.end.phase, &b.end.phase);
                 between.max((a.end.time - b.end.time).abs())
             }

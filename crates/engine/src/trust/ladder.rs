@@ -202,7 +202,7 @@ fn rungs_beyond_f64() -> impl Iterator<Item = Rung> {
 }
 
 /// Least half side of leaves, in rad, that double-double can tell apart from the release.
-const LEAST_FOR_DD: f64 = 1e-22;
+const MIN_FOR_DD: f64 = 1e-22;
 
 fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
     let map = |config| Run::new(config, Origin::Map);
@@ -220,7 +220,7 @@ fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
             ],
         ),
     ];
-    if leaf_half_rad >= LEAST_FOR_DD {
+    if leaf_half_rad >= MIN_FOR_DD {
         rungs.extend(rungs_beyond_f64());
     }
     rungs

@@ -66,7 +66,7 @@ fn in_leaf(center: [&str; 2], level: u32, witnesses: &[Witness]) -> Starts {
 #[test]
 fn of_the_time_of_a_flip() {
     let witnesses: [Witness; 6] = [
-        ([-1.602811, -2.867014], 2, "MOST_CHANCE, SAFETY, the scales of f32 and DOP853"),
+        ([-1.602811, -2.867014], 2, "MAX_CHANCE, SAFETY, the scales of f32 and DOP853"),
         ([-1.565265, -1.602852], 1, "SAFETY, the scales of f32 and DOPRI5"),
         ([2.389554, 1.633769], 1, "OF_CLEARANCE"),
         ([-0.663212, -2.20799], 2, "LINEAR"),
@@ -90,7 +90,7 @@ fn of_turns_and_flips_that_graze_the_top() {
 #[test]
 fn of_the_first_bob() {
     let witnesses: [Witness; 2] = [
-        ([2.188812, 2.750109], 1, "OF_CLEARANCE, MOST_CHANCE"),
+        ([2.188812, 2.750109], 1, "OF_CLEARANCE, MAX_CHANCE"),
         ([-1.819732, 2.9558], 4, "the scales of f64 and DOP853, LINEAR"),
     ];
     check(question(Rule::First, 20.0), Ends::None, at_rest(&witnesses), &witnesses);
@@ -109,7 +109,7 @@ fn of_states_growth_and_returns() {
     let neither = |secs| question(Rule::Neither, secs);
     let states: [Witness; 3] = [
         ([2.355168, 1.814721], 3, "STATE"),
-        ([-1.785374, -0.539467], 1, "STATE, MOST_CHANCE"),
+        ([-1.785374, -0.539467], 1, "STATE, MAX_CHANCE"),
         ([-2.680131, -3.041647], 3, "the displacement of nudged runs"),
     ];
     check(neither(12.0), Ends::Plain, at_rest(&states), &states);
@@ -130,7 +130,7 @@ fn of_deep_starts() {
     let witnesses: [Witness; 1] = [(
         [0.845, -0.072],
         1,
-        "MOST_CHANCE, OF_CLEARANCE, OF_MAPS, the scale of DOPRI5 after a map",
+        "MAX_CHANCE, OF_CLEARANCE, OF_MAPS, the scale of DOPRI5 after a map",
     )];
     let center = ["-1.65907312822246439054652000777423381805419921875", "0.1"];
     let starts = in_leaf(center, 40, &witnesses);
@@ -139,7 +139,7 @@ fn of_deep_starts() {
     let starts = in_leaf(["2.2", "1.3"], 7, &witnesses);
     check(question(Rule::Second, 15.0), Ends::None, starts, &witnesses);
     let witnesses: [Witness; 2] = [
-        ([0.154, -0.897], 1, "UNFLIPPED, MOST_CHANCE"),
+        ([0.154, -0.897], 1, "UNFLIPPED, MAX_CHANCE"),
         ([0.836, -0.016], 3, "GROWTH, confirmation"),
     ];
     let starts = in_leaf(["2.3", "1.1"], 30, &witnesses);

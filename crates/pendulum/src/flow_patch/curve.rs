@@ -48,7 +48,7 @@ pub(super) const NEWTON_STEPS: usize = 4;
 /// Change of s below which a point has been found.
 const FOUND: f64 = 1e-9;
 /// Least sine of the angle between curve and flow at which the two can be told apart.
-const LEAST_ANGLE: f64 = 1e-3;
+const MIN_ANGLE: f64 = 1e-3;
 
 impl FlowPatch {
     /// The direction, as an angle in its frame, in which its states differ most.
@@ -149,7 +149,7 @@ impl PatchCurve {
         for _ in 0..NEWTON_STEPS {
             let CurveStep { by, ahead, rest, slope_squared, flow_squared, det } =
                 self.approach(dynamics, &dynamics.pendulum, phase, s);
-            if det <= LEAST_ANGLE * LEAST_ANGLE * slope_squared * flow_squared {
+            if det <= MIN_ANGLE * MIN_ANGLE * slope_squared * flow_squared {
                 return None;
             }
             s += by;

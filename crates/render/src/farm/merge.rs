@@ -277,8 +277,8 @@ pub fn spread(task: &Task, parts: &mut Parts) -> Result<Vec<f64>, PartError> {
         for cell in group.cells.iter() {
             let samples = parts.patch(group.of(cell), cell)?;
             let some = samples.iter().step_by(LOOKED_AT);
-            times.extend(some.filter(|o| o.status == Status::Flipped).map(|o| o.time));
+            times.extend(some.filter(|o| o.status == Status::Answered).map(|o| o.time));
         }
     }
-    Ok(equalised(times.into_iter(), PictureTable::MOST_TIMES - 1))
+    Ok(equalised(times.into_iter(), PictureTable::MAX_TIMES - 1))
 }

@@ -127,11 +127,11 @@ impl Plan {
     }
 
     /// Largest number of shards.
-    pub const MOST_SHARDS: u32 = 100_000;
+    pub const MAX_SHARDS: u32 = 100_000;
 
     fn checked(mut self) -> Result<Self, PlanError> {
-        if !(1..=Self::MOST_SHARDS).contains(&self.shards) {
-            let most = Self::MOST_SHARDS;
+        if !(1..=Self::MAX_SHARDS).contains(&self.shards) {
+            let most = Self::MAX_SHARDS;
             return Err(PlanError::Inside(format!("{} shards, not 1 to {most}", self.shards)));
         }
         let scene = |error: DocumentError| PlanError::Inside(error.to_string());

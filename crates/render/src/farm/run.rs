@@ -32,7 +32,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// Number of samples at which a part is written.
 const MOST: usize = 1 << 18;
 /// Least time after which finished samples are written.
-const LEAST_WAIT: Duration = Duration::from_millis(500);
+const MIN_WAIT: Duration = Duration::from_millis(500);
 /// Divisor of the elapsed time for a longer such time: long runs have fewer and larger parts.
 const WAIT_SHARE: u32 = 60;
 
@@ -122,7 +122,7 @@ fn drive(
     loop {
         let worked = piece.work(engine, Instant::now() + PATIENCE);
         let going = go_on(piece.counts()) && worked.is_ok();
-        let wait = LEAST_WAIT.max(begun.elapsed() / WAIT_SHARE);
+        let wait = MIN_WAIT.max(begun.elapsed() / WAIT_SHARE);
         let full = piece.loose() >= MOST || kept.elapsed() >= wait;
         if piece.loose() > 0 && (full || piece.is_done() || !going) {
             piece.keep()?;

@@ -29,7 +29,7 @@ impl FlipWindow {
 
     /// Returns true for a flip that is shown.
     fn shows(&self, outcome: &Outcome) -> bool {
-        outcome.status == Status::Flipped && outcome.time <= self.secs
+        outcome.status == Status::Answered && outcome.time <= self.secs
     }
 
     /// The same flips as far as they come within a budget, in s.
@@ -94,7 +94,7 @@ impl Colours {
     fn colour(&self, outcome: &Outcome, shown: &FlipWindow) -> Rgb {
         let others = if shown.waits { WAITING } else { self.tones.ground().unflipped };
         match outcome.status {
-            Status::Flipped if !shown.shows(outcome) => others,
+            Status::Answered if !shown.shows(outcome) => others,
             Status::Unflipped => others,
             _ => self.tones.colour(outcome),
         }

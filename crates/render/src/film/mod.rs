@@ -200,7 +200,7 @@ mod tests {
     fn mip_of_flips_at(secs: f64, group: &FrameGroup, shown: FlipWindow) -> Mip {
         let tones = Tones::new(&PictureTable::default(), 0.3, 60.0).unwrap();
         let mut samples = Samples::unflipped(PATCH_SAMPLES);
-        let flip = Outcome { status: Status::Flipped, time: secs };
+        let flip = Outcome { status: Status::Answered, time: secs };
         (0..PATCH_SAMPLES).for_each(|k| samples.set(k, flip));
         let colours = Colours::new(tones, false);
         let mut patches = group.patches.iter();

@@ -24,7 +24,7 @@ use flipmap_scene::{Grid, PictureTable};
 pub(crate) const WAITING: Rgb = [0x16, 0x18, 0x1d];
 
 /// The light of white.
-const MOST_LIGHT: f32 = 65535.0;
+const MAX_LIGHT: f32 = 65535.0;
 
 /// Paints frames from a mip.
 pub(crate) struct FramePainter {
@@ -81,7 +81,7 @@ impl FramePainter {
                 let light = self.light([column, row], &layers);
                 let factor = lit.as_ref().map_or(1.0, |lit| lit.factor([column, row]));
                 *rgb =
-                    light.map(|light| self.encode[(light * factor + 0.5).min(MOST_LIGHT) as usize]);
+                    light.map(|light| self.encode[(light * factor + 0.5).min(MAX_LIGHT) as usize]);
                 if let Some((colour, band)) = &curve {
                     *rgb = blended(*rgb, *colour, band.cover(&grid, column as u32, row as u32));
                 }

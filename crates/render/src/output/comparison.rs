@@ -23,7 +23,7 @@ struct Histogram {
     counts: Vec<u64>,
 }
 
-const LEAST_DECADE: f64 = -18.0;
+const MIN_DECADE: f64 = -18.0;
 const DECADES: usize = 24;
 const BINS_A_DECADE: f64 = 100.0;
 
@@ -68,7 +68,7 @@ impl Histogram {
             self.none += 1;
             return;
         }
-        let bin = (by.log10() - LEAST_DECADE) * BINS_A_DECADE;
+        let bin = (by.log10() - MIN_DECADE) * BINS_A_DECADE;
         let last = self.counts.len() - 1;
         self.counts[(bin.max(0.0) as usize).min(last)] += 1;
     }
@@ -82,7 +82,7 @@ impl Histogram {
         left -= self.none;
         for (bin, count) in self.counts.iter().enumerate() {
             if left <= *count {
-                return 10f64.powf((bin + 1) as f64 / BINS_A_DECADE + LEAST_DECADE);
+                return 10f64.powf((bin + 1) as f64 / BINS_A_DECADE + MIN_DECADE);
             }
             left -= count;
         }

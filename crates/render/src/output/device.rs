@@ -41,7 +41,7 @@ impl Device {
         use std::os::unix::fs::OpenOptionsExt;
         use std::time::{Duration, Instant};
 
-        const MOST_WAIT: Duration = Duration::from_secs(5);
+        const MAX_WAIT: Duration = Duration::from_secs(5);
         let no_reader = rustix::io::Errno::NXIO.raw_os_error();
         let mut options = File::options();
         options.write(true).custom_flags(rustix::fs::OFlags::NONBLOCK.bits() as i32);
@@ -50,7 +50,7 @@ impl Device {
             match options.open(path) {
                 Ok(file) => return Ok(Device(file)),
                 Err(error) if error.raw_os_error() != Some(no_reader) => return Err(error),
-                Err(_) if begun.elapsed() > MOST_WAIT => {
+                Err(_) if begun.elapsed() > MAX_WAIT => {
                     let message = "no program reads this pipe: start its reader first";
                     return Err(io::Error::other(message));
                 }

@@ -98,7 +98,7 @@ impl<W: Write + Seek> ExrWriter<W> {
                 row.push(match *column {
                     Column::Value(channel) => number_of(status, values[channel]) as f32,
                     Column::Height(most) => match status {
-                        Status::Flipped => (values[0].ln() as f32).min(most),
+                        Status::Answered => (values[0].ln() as f32).min(most),
                         _ => most,
                     },
                     Column::Status => f32::from(status as u8),
@@ -243,7 +243,7 @@ mod tests {
         let values = |value: &dyn Fn(usize) -> f32| (0..samples.len()).map(value).collect();
         let most = (Document::default().question.budget.secs as f32).ln();
         let height = |outcome: Outcome| match outcome.status {
-            Status::Flipped => (outcome.time.ln() as f32).min(most),
+            Status::Answered => (outcome.time.ln() as f32).min(most),
             _ => most,
         };
         let channels: [Vec<f32>; 4] = [

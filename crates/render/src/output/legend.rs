@@ -13,7 +13,7 @@ use flipmap_scene::question::Ask;
 const FONT: &[u8] = epaint_default_fonts::HACK_REGULAR;
 /// Smallest height of letters, and the share of the picture's height that they have in larger ones,
 /// in pixels.
-const LEAST_LETTER: f32 = 11.0;
+const MIN_LETTER: f32 = 11.0;
 const LETTER_SHARE: f32 = 1.0 / 50.0;
 /// Number of letters that the bar is long.
 const BAR_LETTERS: f32 = 34.0;
@@ -40,7 +40,7 @@ impl Legend {
         ask: Ask,
         size: [u32; 2],
     ) -> Result<Self, SceneError> {
-        let letter = (size[1] as f32 * LETTER_SHARE).max(LEAST_LETTER).round();
+        let letter = (size[1] as f32 * LETTER_SHARE).max(MIN_LETTER).round();
         let mut sheet = Sheet::new(letter);
         if colours.is_square() {
             sheet.square(colours);

@@ -49,7 +49,7 @@ impl<W: Write> NpyWriter<W> {
 }
 
 /// Largest number of channels of an array.
-const MOST_CHANNELS: u32 = 64;
+const MAX_CHANNELS: u32 = 64;
 
 /// Reads width, height and number of channels of an array of f64 from its header; the error is a
 /// phrase. Only headers with these very keys and values will do: others change what the numbers mean.
@@ -77,7 +77,7 @@ pub(super) fn npy_shape(file: &mut impl Read) -> Result<([u32; 2], usize), &'sta
     }
     match axes(shape).as_deref() {
         Some([height, width]) => Ok(([*width, *height], 1)),
-        Some([height, width, channels @ 1..=MOST_CHANNELS]) => {
+        Some([height, width, channels @ 1..=MAX_CHANNELS]) => {
             Ok(([*width, *height], *channels as usize))
         }
         _ => Err("its shape is not that of a picture of up to a million pixels along each side"),
@@ -89,7 +89,7 @@ fn axes(shape: &str) -> Option<Vec<u32>> {
     let inside = shape.strip_prefix('(')?.strip_suffix(')')?.trim();
     let inside = inside.strip_suffix(',').unwrap_or(inside);
     let axes: Option<Vec<u32>> = inside.split(',').map(|axis| axis.trim().parse().ok()).collect();
-    let fits = |side: &u32| (1..=PictureTable::LONGEST_SIDE).contains(side);
+    let fits = |side: &u32| (1..=PictureTable::MAX_SIDE).contains(side);
     axes.filter(|axes| axes.iter().take(2).all(fits))
 }
 

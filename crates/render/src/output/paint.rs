@@ -176,7 +176,7 @@ const SHARE: usize = 1 << 12;
 /// The height of a sample in the landscape of times; NaN without a time.
 fn height(colours: &AnswerColours, samples: &Samples, index: usize) -> f32 {
     match colours.times() {
-        Some((channel, tones)) if samples.get(index).status == Status::Flipped => {
+        Some((channel, tones)) if samples.get(index).status == Status::Answered => {
             tones.scale().height(samples.values(index)[channel]) as f32
         }
         _ => f32::NAN,

@@ -166,13 +166,13 @@ pub fn picture_in_png(file: impl BufRead + Seek, longest_side: u32) -> Result<Pi
 }
 
 /// Largest size in bytes of a document inside a PNG: far above that of any that was written.
-const MOST_TEXT: usize = 1 << 20;
+const MAX_TEXT: usize = 1 << 20;
 
 fn document_of(info: &png::Info<'_>) -> Result<Document, PngError> {
     let mut texts = info.utf8_text.iter();
     let chunk = texts.find(|chunk| chunk.keyword == KEYWORD).ok_or(PngError::Foreign)?;
     let mut chunk = chunk.clone();
-    chunk.decompress_text_with_limit(MOST_TEXT)?;
+    chunk.decompress_text_with_limit(MAX_TEXT)?;
     Ok(Document::parse(&chunk.get_text()?)?)
 }
 
@@ -194,12 +194,12 @@ mod tests {
         let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
         encoder.set_color(png::ColorType::Rgb);
         let mut writer = encoder.write_header().unwrap();
-        let mut chunk = png::text_metadata::ITXtChunk::new(KEYWORD, "#".repeat(MOST_TEXT + 1));
+        let mut chunk = png::text_metadata::ITXtChunk::new(KEYWORD, "#".repeat(MAX_TEXT + 1));
         chunk.compressed = true;
         writer.write_text_chunk(&chunk).unwrap();
         writer.write_image_data(&[0; 3]).unwrap();
         writer.finish().unwrap();
-        assert!(bytes.len() < MOST_TEXT / 10, "it is packed");
+        assert!(bytes.len() < MAX_TEXT / 10, "it is packed");
         assert!(document_in_png(Cursor::new(bytes)).is_err());
     }
 

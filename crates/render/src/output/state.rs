@@ -165,7 +165,7 @@ mod tests {
 
     fn state() -> RenderState {
         let mut kept = SavedPixels::default();
-        kept.finish(5, Status::Flipped, &[1.0 / 3.0]);
+        kept.finish(5, Status::Answered, &[1.0 / 3.0]);
         let word = str::to_string;
         RenderState {
             ran: RunRecord {

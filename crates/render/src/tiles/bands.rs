@@ -12,7 +12,7 @@
 const WEIGHTS: [f64; 3] = [3.0 / 32.0, 10.0 / 32.0, 3.0 / 32.0];
 /// Length from which gradients count alike, in natural units of time per pixel: a jump of the
 /// flip time is an edge, however high.
-const MOST_UNITS: f64 = 1.0;
+const MAX_UNITS: f64 = 1.0;
 /// Coherence from which the direction is sure. Most bands of a small picture are thinner than its
 /// pixels, so that few of them are coherent; noise of 32 × 32 pixels has about 0.1.
 const SURE: f64 = 0.4;
@@ -20,7 +20,7 @@ const SURE: f64 = 0.4;
 /// pictures vary by ten degrees, and those of many average out.
 const SHARE: f64 = 0.5;
 /// Largest factor by which bands are stretched apart.
-const MOST_STRETCH: f64 = 2.0;
+const MAX_STRETCH: f64 = 2.0;
 
 /// The bands of a square picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +39,7 @@ impl Bands {
         let [mut xx, mut xy, mut yy] = [0.0; 3];
         for (y, x) in (1..side - 1).flat_map(|y| (1..side - 1).map(move |x| (y, x))) {
             let Some([gx, gy]) = gradient(times, side, [x, y]) else { continue };
-            let shorter = (MOST_UNITS / gx.hypot(gy)).min(1.0);
+            let shorter = (MAX_UNITS / gx.hypot(gy)).min(1.0);
             let (gx, gy) = (gx * shorter, gy * shorter);
             (xx, xy, yy) = (xx + gx * gx, xy + gx * gy, yy + gy * gy);
         }
@@ -59,7 +59,7 @@ impl Bands {
         let lying = quarter_turns.rem_euclid(2.0) < 0.5;
         // A stretched view needs as many more samples: only straight bands are worth them.
         let straight = self.coherence * self.coherence;
-        let stretch = MOST_STRETCH.powf(if lying { straight } else { -straight });
+        let stretch = MAX_STRETCH.powf(if lying { straight } else { -straight });
         let stretch = from_stretch * (stretch / from_stretch).powf(SHARE);
         [from_deg + SHARE * sure * by_deg, stretch]
     }

@@ -25,7 +25,7 @@ const NEXT_VIEW: i32 = 5;
 /// Upper limit of the differences that count, in natural units of time.
 const ENOUGH_UNITS: f64 = 3.0;
 /// Mean difference, in those units, at or below which a place has no structure.
-const LEAST_UNITS: f64 = 0.05;
+const MIN_UNITS: f64 = 0.05;
 /// Least number of distinct times in a next view that is more than an edge or two.
 const SEVERAL: usize = 4;
 /// Number of distinct times in a next view beyond which further ones make no difference.
@@ -34,7 +34,7 @@ const MANY: usize = 12;
 /// step, which follows a pointer, and at later ones, which stay near the filament.
 const NEAR: [f64; 2] = [3.0, 8.0];
 /// Number of places of a picture whose next views are examined before the descent ends.
-const MOST_TRIES: usize = 4;
+const MAX_TRIES: usize = 4;
 /// Least distance in pixels between two of those places.
 const APART: f64 = 4.0;
 /// Share of the budget before which flips are the same for deep neighbours.
@@ -125,7 +125,7 @@ impl Descent {
         let center = scene.view.center_rad();
         let by = offset.map(|by| Theta::from_f64(by * pixel));
         let width = width / FACTOR;
-        if width < flipmap_scene::LEAST_WIDTH {
+        if width < flipmap_scene::MIN_WIDTH {
             return None;
         }
         // Twelve digits below the width tell the pixels of any screen apart.
@@ -159,7 +159,7 @@ impl Descent {
         let mut scored = Vec::new();
         for (y, x) in inside.clone().flat_map(|y| inside.clone().map(move |x| (y, x))) {
             let liveliness = picture.liveliness([x, y]);
-            if liveliness <= LEAST_UNITS {
+            if liveliness <= MIN_UNITS {
                 continue;
             }
             let distinct = picture.distinct_times([x, y]);
@@ -175,7 +175,7 @@ impl Descent {
         scored.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut places: Vec<[f64; 2]> = Vec::new();
         for (_, place) in scored {
-            if places.len() < MOST_TRIES && places.iter().all(|p| distance(*p, place) >= APART) {
+            if places.len() < MAX_TRIES && places.iter().all(|p| distance(*p, place) >= APART) {
                 places.push(place);
             }
         }
@@ -187,7 +187,7 @@ impl Descent {
 fn flips_units(scene: &Scene, samples: &Samples) -> Vec<Option<f64>> {
     let unit_secs = scene.build.unit_secs();
     let flip =
-        |outcome: Outcome| (outcome.status == Status::Flipped).then_some(outcome.time / unit_secs);
+        |outcome: Outcome| (outcome.status == Status::Answered).then_some(outcome.time / unit_secs);
     (0..samples.len()).map(|k| flip(samples.get(k))).collect()
 }
 
@@ -229,7 +229,7 @@ impl SmallPicture {
     fn distinct_times(&self, at: [i32; 2]) -> usize {
         let mut times: Vec<f64> = self.around(at, NEXT_VIEW).collect();
         times.sort_by(f64::total_cmp);
-        let gaps = times.windows(2).filter(|pair| pair[1] - pair[0] > LEAST_UNITS).count();
+        let gaps = times.windows(2).filter(|pair| pair[1] - pair[0] > MIN_UNITS).count();
         gaps + usize::from(!times.is_empty())
     }
 }
@@ -264,9 +264,9 @@ mod tests {
         assert_eq!(places(&edge), Vec::<[f64; 2]>::new());
         let filaments = picture(|x, y| 13.0 + f64::from((x * x + 3 * y) % 13));
         let found = places(&filaments);
-        assert_eq!(found.len(), MOST_TRIES);
+        assert_eq!(found.len(), MAX_TRIES);
         assert!(distance(found[0], [0.0; 2]) < NEAR[0], "the middle is the wish: {found:?}");
-        assert!((1..MOST_TRIES).all(|k| distance(found[0], found[k]) >= APART));
+        assert!((1..MAX_TRIES).all(|k| distance(found[0], found[k]) >= APART));
     }
 
     #[test]

@@ -52,9 +52,9 @@ pub struct ViewProgress {
 }
 
 /// Maximum number of cells of a level that are drawn at once.
-pub const MOST_CELLS: usize = 6000;
+pub const MAX_CELLS: usize = 6000;
 /// Maximum number of cells in a job, which fill a large graphics card.
-const MOST_IN_JOB: usize = 256;
+const MAX_IN_JOB: usize = 256;
 
 /// A physics viewed before, and whether the mirror images of its cells have equal samples.
 #[derive(Debug)]
@@ -141,7 +141,7 @@ impl Explorer {
         // Finer samples take at most half of the room: views seen before are worth as much.
         let channels = target.physics.question.ask.kind().channels.len();
         self.refinement =
-            Refinement::of(target, MOST_CELLS.min(self.cache.room(channels) / 2), begun);
+            Refinement::of(target, MAX_CELLS.min(self.cache.room(channels) / 2), begun);
         // A pointer has no order to change where nothing waits.
         if !(is_same_view && self.is_done()) {
             self.plan();
@@ -275,7 +275,7 @@ impl Explorer {
         let group = traits(&first);
         let alike = |wanted: &Wanted| !waits(wanted) && traits(wanted) == group;
         let stride = first.pass.stride();
-        let most = (job_size / (2 * stride.count(SIDE) as usize)).clamp(1, MOST_IN_JOB);
+        let most = (job_size / (2 * stride.count(SIDE) as usize)).clamp(1, MAX_IN_JOB);
         let mut cells = Vec::new();
         let mut is_left = |wanted: &Wanted| {
             let is_taken = cells.len() < most && alike(wanted);

@@ -9,7 +9,7 @@
 
 use std::collections::HashSet;
 
-use super::explorer::MOST_CELLS;
+use super::explorer::MAX_CELLS;
 use super::stride::Stride;
 use super::view_target::ViewTarget;
 use flipmap_scene::lattice::{Cell, pitch_rad};
@@ -76,7 +76,7 @@ pub(super) fn finer(target: &ViewTarget, levels: u32) -> Vec<Wanted> {
 /// Returns the canonical cells of a level in view, each once.
 fn nearest_first(target: &ViewTarget, level: u32) -> Vec<Cell> {
     let mirrors = target.physics.mirrors();
-    let mut placed = target.region.cells(level, MOST_CELLS);
+    let mut placed = target.region.cells(level, MAX_CELLS);
     let far = |offset: [f64; 2], from: [f64; 2]| (offset[0] - from[0]).hypot(offset[1] - from[1]);
     let distance = |offset: [f64; 2]| {
         let middle = far(offset, [0.0, 0.0]);

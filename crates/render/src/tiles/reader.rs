@@ -7,7 +7,7 @@ use flipmap_engine::{End, Ends, JobResult, Question};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::transport::{transported, turns_between};
 use flipmap_pendulum::{Outcome, Pendulum, Status};
-use flipmap_scene::question::{Ask, Ending, MOST_CHANNELS, Needs};
+use flipmap_scene::question::{Ask, Ending, MAX_CHANNELS, Needs};
 
 /// A reader of the answers to one question about one pendulum.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ impl Reader {
     }
 
     /// The status of an answer and its channels.
-    pub fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MOST_CHANNELS]) {
+    pub fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MAX_CHANNELS]) {
         let ends_at_a_time = self.ask.kind().at_a_time && outcome.status == Status::Unflipped;
         let (mut phase, mut gathered) = (end.phase, end.gathered);
         if ends_at_a_time {
@@ -60,7 +60,7 @@ impl Reader {
             gathered.turns = [0, 1].map(|bob| gathered.turns[bob] - since[bob]);
         }
         let never = self.ask.kind().needs == Needs::Return && gathered.nearest[0].is_infinite();
-        let status = if ends_at_a_time && !never { Status::Flipped } else { outcome.status };
+        let status = if ends_at_a_time && !never { Status::Answered } else { outcome.status };
         let Reader { pendulum, unit_secs, .. } = self;
         let secs = if ends_at_a_time { self.at } else { end.time } * unit_secs;
         let ending =
@@ -82,7 +82,7 @@ impl Reader {
         let mut all = Samples::unanswered(samples.len(), channels);
         for (index, outcome) in samples.iter().enumerate() {
             all.set_trust(index, samples.trust(index));
-            if outcome.status != Status::Flipped {
+            if outcome.status != Status::Answered {
                 all.set_values(index, outcome.status, &[]);
                 continue;
             }

@@ -84,7 +84,7 @@ fn slope(samples: &Samples, place: [i32; 2]) -> Option<[f64; 2]> {
         if sides.iter().flatten().any(differs) {
             return None;
         }
-        if status != Status::Flipped {
+        if status != Status::Answered {
             continue;
         }
         let rise = line(samples, middle, sides)?;

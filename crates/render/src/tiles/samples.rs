@@ -60,7 +60,7 @@ impl Samples {
     }
 
     /// Returns the values of the channels of sample `index`; they mean nothing unless it has an
-    /// answer, which the status `Flipped` says.
+    /// answer, which the status `Answered` says.
     pub fn values(&self, index: usize) -> &[f64] {
         let channels = self.channels();
         &self.values[index * channels..(index + 1) * channels]
@@ -246,7 +246,7 @@ impl Counts {
         });
         let count = |status: Status| statuses[status as usize];
         self.pixels += samples.len() as u64;
-        self.flipped += count(Status::Flipped);
+        self.flipped += count(Status::Answered);
         self.unflipped += count(Status::Unflipped);
         self.forbidden += count(Status::Forbidden);
         self.failed += count(Status::Failed);
@@ -290,7 +290,7 @@ impl std::ops::AddAssign for Counts {
 /// for unflipped and failed, NaN for forbidden.
 pub(crate) fn number_of(status: Status, value: f64) -> f64 {
     match status {
-        Status::Flipped => value,
+        Status::Answered => value,
         Status::Unflipped | Status::Failed => f64::INFINITY,
         Status::Forbidden => f64::NAN,
     }
@@ -328,7 +328,7 @@ mod tests {
             let mut samples = Samples::unanswered(count + 4, channels);
             for k in 0..count {
                 let values: Vec<f64> = (0..channels).map(|c| (10 * k + c) as f64).collect();
-                samples.set_values(k, Status::Flipped, &values);
+                samples.set_values(k, Status::Answered, &values);
                 samples.set_trust(k, if k % 3 == 0 { Trust::Agreed } else { Trust::Unchecked });
             }
             let image = samples.image(count);

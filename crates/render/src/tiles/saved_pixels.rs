@@ -48,7 +48,7 @@ impl SavedPixels {
     /// Saves the status and the channels of pixel `index`, which is done.
     pub(crate) fn finish(&mut self, index: u64, status: Status, values: &[f64]) {
         self.paused.remove(&index);
-        if status == Status::Flipped {
+        if status == Status::Answered {
             self.over.insert(index, values.to_vec());
         } else if let Err(place) = self.failed.binary_search(&index) {
             self.failed.insert(place, index);
@@ -76,7 +76,7 @@ mod tests {
         let state = IntegratorState::new(7, [0.5; NUMBERS]);
         let mut kept = SavedPixels::default();
         kept.pause(3, state.clone());
-        kept.finish(1, Status::Flipped, &[2.5]);
+        kept.finish(1, Status::Answered, &[2.5]);
         kept.finish(9, Status::Failed, &[]);
         kept.finish(4, Status::Failed, &[]);
         assert_eq!(kept.known(3), Some(SavedPixel::Unfinished(state)));
@@ -84,7 +84,7 @@ mod tests {
         let failed = SavedPixel::Over(Outcome::without_time(Status::Failed));
         assert_eq!((kept.known(4), kept.known(9)), (Some(failed.clone()), Some(failed)));
         assert_eq!(kept.known(2), None);
-        kept.finish(3, Status::Flipped, &[40.0]);
+        kept.finish(3, Status::Answered, &[40.0]);
         assert_eq!(
             (kept.paused(), kept.known(3)),
             (0, Some(SavedPixel::Over(Outcome::flipped(40.0))))

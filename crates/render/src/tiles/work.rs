@@ -49,7 +49,7 @@ const MIRROR_BYTES: u64 = 320 << 20;
 
 /// Largest number of pixels of a deep tile that is as high as its leaves. Lower bands would follow
 /// each leaf again and again.
-const MOST_DEEP: usize = 1 << 20;
+const MAX_DEEP: usize = 1 << 20;
 
 impl Work {
     /// Creates the work for a checked scene as a picture of `size` pixels, in tiles of about
@@ -89,7 +89,7 @@ impl Work {
         let grid = Grid::sampled(scene, size, sampling);
         let width = grid.size()[0];
         let is_deep = config.is_deep(grid.pixel_rad());
-        let leaves = ((config.leaf_pixels() * width) as usize).min(MOST_DEEP);
+        let leaves = ((config.leaf_pixels() * width) as usize).min(MAX_DEEP);
         let tile_pixels = if is_deep { tile_pixels.max(leaves) } else { tile_pixels };
         Work {
             grid,
@@ -224,7 +224,7 @@ impl Work {
         for &place in finished.computed.iter().filter(|place| !paused.contains(place)) {
             let status = finished.samples.get(place as usize).status;
             // Deep pixels have no state from which they could go on.
-            let is_event = status == Status::Flipped && !self.ask.kind().at_a_time;
+            let is_event = status == Status::Answered && !self.ask.kind().at_a_time;
             if is_event || status == Status::Failed {
                 let values = finished.samples.values(place as usize);
                 kept.finish(self.index(pixels[place as usize]), status, values);
@@ -281,7 +281,7 @@ impl TileSource for Work {
         if let Some(kept) = self.saved() {
             for (place, pixel) in tile.pixels().enumerate() {
                 if let Some(values) = kept.values(self.index(pixel)) {
-                    open.samples.set_values(place, Status::Flipped, values);
+                    open.samples.set_values(place, Status::Answered, values);
                 }
             }
         }

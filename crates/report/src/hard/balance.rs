@@ -42,11 +42,11 @@ fn rims(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         let starts: Vec<[Dd; 2]> = along(excess).collect();
         let truth = oracle_f64(&question, &starts);
         worst = worst.max(bench.worst(&question, &starts, &truth)?);
-        flips += count(&truth, Status::Flipped);
+        flips += count(&truth, Status::Answered);
         early += count(&truth, Status::Forbidden);
         parts.push(format!(
             "{} of {} at {excess:.0e}",
-            count(&truth, Status::Flipped),
+            count(&truth, Status::Answered),
             starts.len()
         ));
     }
@@ -114,7 +114,7 @@ fn upright(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         let lambda = growth_rate(&question.build.pendulum(), equilibrium);
         let growth = (truth[4].time - truth[2].time) / 1e6f64.ln() * lambda;
         let expected = f64::from(u8::from(inward));
-        held &= count(&truth, Status::Flipped) == OFFSETS.len()
+        held &= count(&truth, Status::Answered) == OFFSETS.len()
             && (growth - expected).abs() < 1e-3
             && worst <= 1e-4;
         let [first, .., last] = truth.as_slice() else { continue };

@@ -68,7 +68,7 @@ impl Tally {
         let truth = oracle_f64(question, &starts);
         let answers = bench.answers(question, BALANCED, &starts)?;
         self.starts += starts.len();
-        self.flips += count(&truth, Status::Flipped);
+        self.flips += count(&truth, Status::Answered);
         let sound =
             |o: &flipmap_pendulum::Outcome| o.status != Status::Failed && o.time.is_finite();
         self.failed += answers.iter().chain(&truth).filter(|o| !sound(o)).count();
@@ -135,7 +135,7 @@ fn gravity(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         answers.iter_mut().for_each(|outcome| outcome.time *= gravity.sqrt());
         scaled.push(answers);
     }
-    let flips = count(&scaled[0], Status::Flipped);
+    let flips = count(&scaled[0], Status::Answered);
     let worst = scaled.iter().map(|other| super::farthest(other, &scaled[0])).fold(0.0, f64::max);
     HardFinding::new(
         none == 0 && worst <= 1e-9 && flips > 50,

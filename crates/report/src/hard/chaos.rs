@@ -72,7 +72,7 @@ fn long_budgets(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let by_other = bench.answers(&question, TAYLOR, &starts)?;
     let flips_in = |from: f64, to: f64| {
         let late = move |o: &flipmap_pendulum::Outcome| {
-            o.status == Status::Flipped && (from..to).contains(&o.time)
+            o.status == Status::Answered && (from..to).contains(&o.time)
         };
         let pairs = by_one.iter().zip(&by_other).filter(move |(a, b)| late(a) || late(b));
         pairs.map(|(a, b)| apart(a, b) > 1e-3).collect::<Vec<bool>>()

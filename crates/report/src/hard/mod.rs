@@ -190,7 +190,7 @@ fn home(rule: Rule, budget_secs: f64) -> Question {
 /// Distance between two outcomes in seconds; infinite if their statuses differ.
 pub(crate) fn apart(a: &Outcome, b: &Outcome) -> f64 {
     match (a.status, b.status) {
-        (Status::Flipped, Status::Flipped) => (a.time - b.time).abs(),
+        (Status::Answered, Status::Answered) => (a.time - b.time).abs(),
         (a, b) if a == b => 0.0,
         _ => f64::INFINITY,
     }

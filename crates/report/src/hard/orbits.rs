@@ -76,9 +76,9 @@ impl PeriodicOrbit {
 
     fn back(&self, by: [f64; 2]) -> Option<SectionReturn> {
         // Several times the return times.
-        const MOST_SECS: f64 = 20.0;
+        const MAX_SECS: f64 = 20.0;
         let Launch { angle, speed } = self.launch(by)?;
-        section_return(&unit_build().pendulum_in(), State { angle, speed }, MOST_SECS)
+        section_return(&unit_build().pendulum_in(), State { angle, speed }, MAX_SECS)
     }
 
     /// The return time, the distance between the return and the start, and the trace of the return

@@ -119,7 +119,7 @@ fn first_step(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         .collect();
     let question = home(Rule::Second, 0.1);
     let truth = oracle_dd(&question, &starts);
-    let passes = truth.iter().filter(|o| o.status == Status::Flipped && o.time < 0.02).count();
+    let passes = truth.iter().filter(|o| o.status == Status::Answered && o.time < 0.02).count();
     let worst = bench.worst(&question, &starts, &truth)?;
     HardFinding::new(
         passes >= 8 && worst < 1e-6,
@@ -149,7 +149,7 @@ fn at_the_top(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         total += starts.len();
         worst = worst.max(farthest(&there, &truth));
         mirrored = mirrored.max(farthest(&there, &back));
-        let flips = there.iter().filter(|o| o.status == Status::Flipped);
+        let flips = there.iter().filter(|o| o.status == Status::Answered);
         earliest = flips.map(|o| o.time).fold(earliest, f64::min);
     }
     HardFinding::new(

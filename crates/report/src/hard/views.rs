@@ -74,7 +74,7 @@ fn seam(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         same += there.iter().zip(&exchanged).filter(|(a, b)| a == b).count();
     }
     HardFinding::new(
-        worst <= 1e-6 && count(&home, Status::Flipped) > 100,
+        worst <= 1e-6 && count(&home, Status::Answered) > 100,
         format!("{same} of {} pixels bit for bit, the rest within {worst:.0e} s", 4 * home.len()),
     )
 }
@@ -99,7 +99,7 @@ fn staircase(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         times().fold(0.0, f64::max) - times().fold(f64::INFINITY, f64::min)
     };
     let (spread, adaptive_spread) = (spread(&answers), spread(&adaptive));
-    let all = count(&answers, Status::Flipped) + count(&adaptive, Status::Flipped);
+    let all = count(&answers, Status::Answered) + count(&adaptive, Status::Answered);
     HardFinding::new(
         same && times <= steps
             && steps < exact

@@ -9,14 +9,14 @@ use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
 use flipmap_render::tiles::reader::Reader;
-use flipmap_scene::question::{Ask, MOST_CHANNELS};
+use flipmap_scene::question::{Ask, MAX_CHANNELS};
 use flipmap_scene::{PlaneKind, Scene};
 
 /// Function that returns true when the referee should give up.
 pub(super) type GiveUp<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// An answer: a status, and the values of the question's channels.
-pub(super) type Answer = (Status, [f64; MOST_CHANNELS]);
+pub(super) type Answer = (Status, [f64; MAX_CHANNELS]);
 
 /// The referee's verdict on an answer.
 pub(super) enum RefereeVerdict {
@@ -62,7 +62,7 @@ impl<'a> Judged<'a> {
         let Some(start) = start(self.scene, self.side, pixel) else {
             return match given.0 {
                 Status::Forbidden => RefereeVerdict::Right,
-                _ => RefereeVerdict::Wrong((Status::Forbidden, [0.0; MOST_CHANNELS])),
+                _ => RefereeVerdict::Wrong((Status::Forbidden, [0.0; MAX_CHANNELS])),
             };
         };
         let judge = |truth: Option<Answer>, other: Option<Answer>| match (truth, other) {
@@ -103,7 +103,7 @@ impl<'a> Judged<'a> {
         let unit_secs = self.scene.build.unit_secs();
         let mut channels = kind.channels[..count].iter().zip(a.1.iter().zip(b.1));
         a.0 == b.0
-            && (a.0 != Status::Flipped
+            && (a.0 != Status::Answered
                 || channels.all(|(channel, (a, b))| channel.is_right(*a, b, share, unit_secs)))
     }
 
@@ -115,7 +115,7 @@ impl<'a> Judged<'a> {
         give_up: GiveUp,
     ) -> Option<Answer> {
         if self.is_forbidden(start) {
-            return Some((Status::Forbidden, [0.0; MOST_CHANNELS]));
+            return Some((Status::Forbidden, [0.0; MAX_CHANNELS]));
         }
         let at_rest = start.speed == [Theta::ZERO; 2];
         if at_rest && oracle::is_balanced(start.angle) && self.question.rule != Rule::Neither {
@@ -255,7 +255,7 @@ mod tests {
             let judged = Judged::new(&scene, SIDE);
             let start = start(&scene, SIDE, [1, 2]).unwrap();
             let truth = judged.truth::<Dd>(&start, (11, 1e-27), &|| false).unwrap();
-            assert_eq!(truth.0, Status::Flipped, "{}", kind.name);
+            assert_eq!(truth.0, Status::Answered, "{}", kind.name);
             assert!(judged.is_same(&truth, &truth, 1.0), "{}", kind.name);
             assert!(!judged.is_same(&(Status::Unflipped, truth.1), &truth, 1.0), "{}", kind.name);
             let count = if ask == Ask::Return { 1 } else { kind.channels.len() };

@@ -27,7 +27,7 @@ use flipmap_numbers::{Scalar, Theta};
 use flipmap_pendulum::Status;
 use flipmap_render::tiles::preview::preview;
 use flipmap_render::tiles::{Samples, Work, check_feasible};
-use flipmap_scene::question::{Ask, MOST_CHANNELS};
+use flipmap_scene::question::{Ask, MAX_CHANNELS};
 use flipmap_scene::{PlaneKind, Scene, View, Word};
 
 /// Pixels along each side of a window.
@@ -298,8 +298,8 @@ impl Window {
     fn words(&self, (status, values): &Answer) -> String {
         let channels = self.scene.question.ask.kind().channels;
         match (status, channels.len()) {
-            (Status::Flipped, 1) => format!("{:?} {}", values[0], channels[0].unit),
-            (Status::Flipped, count) => format!("{:?}", &values[..count]),
+            (Status::Answered, 1) => format!("{:?} {}", values[0], channels[0].unit),
+            (Status::Answered, count) => format!("{:?}", &values[..count]),
             (status, _) => format!("{status:?}").to_lowercase(),
         }
     }
@@ -307,7 +307,7 @@ impl Window {
 
 /// The answer of a sample.
 fn answer(samples: &Samples, k: usize) -> Answer {
-    let mut values = [0.0; MOST_CHANNELS];
+    let mut values = [0.0; MAX_CHANNELS];
     let given = samples.values(k);
     values[..given.len()].copy_from_slice(given);
     (samples.get(k).status, values)

@@ -54,12 +54,12 @@ enum TopVerdict {
 /// Longest step, in reduced units.
 const LONGEST: f64 = 0.25;
 /// Step below which a failing error test means that the number type has too few digits.
-const LEAST_FOR_ERRORS: f64 = 1e-6;
+const MIN_FOR_ERRORS: f64 = 1e-6;
 /// Step below which nothing can be decided any more.
 const SHORTEST: f64 = 1e-60;
 /// First step of a bob that begins exactly at the top, after which it is on the side to which it moves.
 const OFF_THE_TOP: f64 = 1e-6;
-const MOST_STEPS: usize = 2_000_000;
+const MAX_STEPS: usize = 2_000_000;
 /// Factor by which a bob's acceleration within a step may exceed that at its ends.
 const ROOM: f64 = 4.0;
 /// Halvings in the search for the nearest return within a step.
@@ -71,7 +71,7 @@ impl<T: Scalar> Referee<'_, T> {
         let mut now = self.begun(start);
         let mut has_left = false;
         let mut step = T::from_f64(1e-2);
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let left = self.budget - now.time;
             if left <= T::zero() {
                 return Some(now);
@@ -82,7 +82,7 @@ impl<T: Scalar> Referee<'_, T> {
             let length = if step < left { step } else { left };
             let (next, error) = self.step(&now.phase, length);
             if error.is_nan() || error > self.tolerance {
-                if length.to_f64() < LEAST_FOR_ERRORS {
+                if length.to_f64() < MIN_FOR_ERRORS {
                     return None;
                 }
                 step = length * T::from_f64(0.5);

@@ -37,7 +37,7 @@ pub(super) enum Lure {
 /// Smallest distance from the top at which bobs are put, as a power of ten.
 const NEAREST_TOP: f64 = -50.0;
 /// Largest number of a flip that is asked for.
-const MOST_COUNT: u32 = 50;
+const MAX_COUNT: u32 = 50;
 
 impl Scenes {
     /// The generator for a seed.
@@ -95,7 +95,7 @@ impl Scenes {
         let plain = QuestionTable { budget: Budget::secs(secs), ..QuestionTable::default() };
         match self.random.u8(0..10) {
             0..5 => QuestionTable { rule, ..plain },
-            5 => QuestionTable { rule, count: self.random.u32(2..=MOST_COUNT), ..plain },
+            5 => QuestionTable { rule, count: self.random.u32(2..=MAX_COUNT), ..plain },
             6 => QuestionTable { ask: Ask::First, ..plain },
             7 => QuestionTable { ask: Ask::Flips, ..plain },
             8 => QuestionTable { ask: Ask::State, ..plain },

@@ -16,7 +16,7 @@ pub struct AnswerColours {
 }
 
 /// Number of passes in each natural unit of time beyond which colours stay the same.
-const MOST_A_UNIT: f64 = 0.4;
+const MAX_A_UNIT: f64 = 0.4;
 
 /// The way in which the channels become a colour.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +52,7 @@ impl AnswerColours {
             Painted::TwoAngles => Way::Torus,
             Painted::Sum => {
                 let units = scene.question.end_secs() / scene.build.unit_secs();
-                Way::Counts(MOST_A_UNIT * units, Palette::named(&picture.palette)?)
+                Way::Counts(MAX_A_UNIT * units, Palette::named(&picture.palette)?)
             }
             Painted::EnergySplit => {
                 let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;
@@ -121,7 +121,7 @@ impl AnswerColours {
     /// The colour of a sample.
     pub fn tint(&self, status: Status, values: &[f64]) -> Tint {
         match status {
-            Status::Flipped => self.of_values(values),
+            Status::Answered => self.of_values(values),
             Status::Unflipped => tint_of(self.ground.unflipped),
             Status::Forbidden => tint_of(self.ground.forbidden),
             Status::Failed => tint_of(FAILED),
@@ -217,11 +217,11 @@ mod tests {
     #[test]
     fn a_channel_has_colours_of_its_own_scale() {
         let state = colours(Ask::State, Some("theta2")).unwrap();
-        let colour = |angle| state.colour(Status::Flipped, &[0.3, angle, 0.0, 0.0, 0.0, 0.0]);
+        let colour = |angle| state.colour(Status::Answered, &[0.3, angle, 0.0, 0.0, 0.0, 0.0]);
         assert!(near(colour(PI), colour(-PI)));
         assert_ne!(colour(0.0), colour(1.0));
         let speed = colours(Ask::State, Some("omega1")).unwrap();
-        let fast = |w| speed.colour(Status::Flipped, &[0.0, 0.0, w, 0.0, 0.0, 0.0]);
+        let fast = |w| speed.colour(Status::Answered, &[0.0, 0.0, w, 0.0, 0.0, 0.0]);
         assert_eq!(fast(99.0), fast(10.0), "beyond its scale");
         assert_eq!(speed.colour(Status::Forbidden, &[0.0; 6]), Ground::DARK.forbidden);
         let refused = colours(Ask::Flip, Some("theta2")).unwrap_err().to_string();
@@ -237,7 +237,7 @@ mod tests {
         assert!((hanging - 1.0).abs() < 1e-12);
         assert_eq!(kinetic_share(&pendulum, &[0.0; 6]), 0.0);
         let state = colours(Ask::State, Some("energy")).unwrap();
-        let colour = |w: f64| state.colour(Status::Flipped, &[1.0, 2.0, w, 0.0, 0.0, 0.0]);
+        let colour = |w: f64| state.colour(Status::Answered, &[1.0, 2.0, w, 0.0, 0.0, 0.0]);
         assert!(colour(0.0) != colour(2.0) && colour(2.0) != colour(9.0));
         assert_eq!(colour(2.0), colour(-2.0), "both directions are one energy here");
     }

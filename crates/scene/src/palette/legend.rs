@@ -164,7 +164,7 @@ mod tests {
             for share in [0.01, 0.3, 0.77] {
                 let mut values = [0.0; 6];
                 values[channel] = colours.value_along(share);
-                let painted = colours.colour(Status::Flipped, &values);
+                let painted = colours.colour(Status::Answered, &values);
                 let near = |(a, b): (u8, u8)| a.abs_diff(b) <= 4;
                 let along = colours.colour_along(share);
                 assert!(painted.into_iter().zip(along).all(near), "{name} {share}");
@@ -196,7 +196,7 @@ mod tests {
         }
         let flips = colours(Ask::Flips, None, short);
         for sum in [0.0, 1.0, 2.0, 3.0] {
-            let painted = flips.colour(Status::Flipped, &[sum, 0.0, 0.0, 0.0]);
+            let painted = flips.colour(Status::Answered, &[sum, 0.0, 0.0, 0.0]);
             assert_eq!(flips.colour_along((sum + 0.5) / 4.0), painted, "{sum}");
         }
         assert!(colours(Ask::Growth, None, short).step_labels(34.0).is_none());
@@ -208,7 +208,7 @@ mod tests {
         let scene = Scene { question, ..Scene::default() };
         let colours = AnswerColours::new(&scene, &PictureTable::default()).unwrap();
         assert!(colours.is_square());
-        let painted = colours.colour(Status::Flipped, &[PI / 2.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let painted = colours.colour(Status::Answered, &[PI / 2.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert_eq!(colours.colour_in_square([0.75, 0.5]), painted);
     }
 

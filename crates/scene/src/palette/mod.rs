@@ -53,7 +53,7 @@ pub struct Palette {
 }
 
 /// Largest difference of a channel between two colours whose seam no eye sees.
-const MOST_SEAM: f32 = 6.0;
+const MAX_SEAM: f32 = 6.0;
 
 /// Colour of starts whose integration failed.
 pub const FAILED: Rgb = [0xff, 0x00, 0xff];
@@ -113,7 +113,7 @@ impl Palette {
         let ends = |palette: Palette| {
             palette.table[0].into_iter().zip(palette.table[palette.table.len() - 1])
         };
-        let is_near = |(from, to): (f32, f32)| (from - to).abs() <= MOST_SEAM;
+        let is_near = |(from, to): (f32, f32)| (from - to).abs() <= MAX_SEAM;
         Palette::named(name).is_ok_and(|palette| ends(palette).all(is_near))
     }
 

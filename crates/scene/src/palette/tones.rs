@@ -113,7 +113,7 @@ impl Tones {
     /// The colour of an outcome.
     pub fn colour(&self, outcome: &Outcome) -> Rgb {
         match outcome.status {
-            Status::Flipped => self.colour_at(outcome.time),
+            Status::Answered => self.colour_at(outcome.time),
             Status::Unflipped => self.ground.unflipped,
             Status::Forbidden => self.ground.forbidden,
             Status::Failed => FAILED,
@@ -158,7 +158,7 @@ pub fn rise(times: &[f64]) -> bool {
 /// [`PictureTable::times`] every colour is seen about equally often. Empty if there are fewer than
 /// two different times, since then there is nothing to spread.
 pub fn equalised(times: impl Iterator<Item = f64>, steps: usize) -> Vec<f64> {
-    let steps = steps.clamp(1, PictureTable::MOST_TIMES - 1);
+    let steps = steps.clamp(1, PictureTable::MAX_TIMES - 1);
     let mut sorted: Vec<f64> = times.filter(|secs| PictureTable::SECS.contains(secs)).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let mut quantiles: Vec<f64> = Vec::new();

@@ -2,8 +2,8 @@
 
 use super::flip::TIME;
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
-    QuestionKind, TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
 };
 use flipmap_pendulum::Rule;
 use flipmap_pendulum::crossing::bob_at_top;
@@ -35,7 +35,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     },
 };
 
-fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
     let bob = 1 + bob_at_top(&ending.phase);
     [bob as f64, ending.outcome.time, 0.0, 0.0, 0.0, 0.0]
 }

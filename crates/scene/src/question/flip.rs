@@ -1,8 +1,8 @@
 //! `flip`: the moment at which a watched bob first goes over the top.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
-    QuestionKind, TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
 };
 
 pub(super) const QUESTION: QuestionKind = QuestionKind {
@@ -30,7 +30,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
 pub(super) const TIME: Channel =
     Channel { name: "time", unit: "s", right: 1e-3, scale: ChannelScale::Times };
 
-fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
     [ending.outcome.time, 0.0, 0.0, 0.0, 0.0, 0.0]
 }
 

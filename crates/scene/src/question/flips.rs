@@ -1,8 +1,8 @@
 //! `flips`: the number of times that each bob goes over the top within the budget, by direction.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
-    QuestionKind, TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
 };
 use flipmap_pendulum::Rule;
 
@@ -38,7 +38,7 @@ const fn count(name: &'static str) -> Channel {
     Channel { name, unit: "", right: 0.0, scale: ChannelScale::Counts(0, 10) }
 }
 
-fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
     let [a, b, c, d] = ending.gathered.passes.map(f64::from);
     [a, b, c, d, 0.0, 0.0]
 }

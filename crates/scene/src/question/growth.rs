@@ -1,8 +1,8 @@
 //! `growth`: the finite-time Lyapunov exponent over the budget.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
-    QuestionKind, TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
 };
 use flipmap_pendulum::Rule;
 
@@ -32,7 +32,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     judged: Judgement { budget_secs: 8.0, error: apart, most_error: 0.01, words: "1 %" },
 };
 
-fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
     [ending.gathered.log_growth / ending.secs, 0.0, 0.0, 0.0, 0.0, 0.0]
 }
 

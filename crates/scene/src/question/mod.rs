@@ -50,7 +50,7 @@ pub struct QuestionKind {
     pub name: &'static str,
     /// Two sentences on what its map shows.
     pub about: &'static str,
-    /// The numbers of an answer, in order; at most [`MOST_CHANNELS`].
+    /// The numbers of an answer, in order; at most [`MAX_CHANNELS`].
     pub channels: &'static [Channel],
     /// Words for pixels with an answer and for those without one at the end of the budget.
     pub counted: [&'static str; 2],
@@ -76,7 +76,7 @@ pub struct QuestionKind {
     /// All that an engine has to return.
     pub needs: Needs,
     /// Returns the values of the channels.
-    pub read: fn(&Ending) -> [f64; MOST_CHANNELS],
+    pub read: fn(&Ending) -> [f64; MAX_CHANNELS],
     /// Columns that it adds to a trace.
     pub columns: TraceColumns,
     /// Judgement of its answers by true ones.
@@ -155,7 +155,7 @@ pub enum Needs {
 }
 
 /// Largest number of channels of any question.
-pub const MOST_CHANNELS: usize = 6;
+pub const MAX_CHANNELS: usize = 6;
 
 /// One number of an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! `return`: how near the pendulum comes back to its start, and when.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
-    QuestionKind, TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
 };
 use flipmap_pendulum::Rule;
 
@@ -30,7 +30,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     judged: Judgement { budget_secs: 5.0, error: apart, most_error: 1e-3, words: "1e-3" },
 };
 
-fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
     let [distance, time] = ending.gathered.nearest;
     [distance, time * ending.unit_secs, 0.0, 0.0, 0.0, 0.0]
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MOST_CHANNELS, Needs, Painted,
-    QuestionKind, TraceColumns, Watches,
+    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
+    TraceColumns, Watches,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::Rule;
@@ -50,7 +50,7 @@ const fn turns(name: &'static str) -> Channel {
     Channel { name, unit: "", right: 0.0, scale: ChannelScale::Counts(-5, 5) }
 }
 
-fn read(ending: &Ending) -> [f64; MOST_CHANNELS] {
+fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
     let [x1, y1, x2, y2, ..] = ending.phase;
     let [theta1, theta2] = [y1.atan2(x1), y2.atan2(x2)].map(|a| if a == -PI { PI } else { a });
     let [omega1, omega2] = ending.pendulum.speeds(&ending.phase).map(|w| w / ending.unit_secs);

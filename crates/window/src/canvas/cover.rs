@@ -6,7 +6,7 @@ use glam::DVec2;
 use super::fading::Fading;
 use crate::camera::Screen;
 use flipmap_render::tiles::cache::CachedCell;
-use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_scene::lattice::{Cell, Placed, SIDE, side_rad};
 
 /// A part of a tile's samples, drawn as a parallelogram on the canvas.
@@ -75,7 +75,7 @@ pub(crate) fn cover(
     finer_levels: u32,
 ) -> Vec<CoveredCell> {
     let mut cells = Vec::new();
-    for placed in screen.region().cells(screen.level(), MOST_CELLS) {
+    for placed in screen.region().cells(screen.level(), MAX_CELLS) {
         let mut patches = Vec::new();
         let now = best(screen, explorer, &placed, PatchSet::Own, fading);
         let mut whole = now.whole;

@@ -28,11 +28,11 @@ use self::pipeline::{CellQuads, MapFrame, Quad, Upload};
 use self::sample::WordKind;
 use crate::camera::Screen;
 use flipmap_render::tiles::Stride;
-use flipmap_render::tiles::explorer::{Explorer, MOST_CELLS};
+use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_scene::lattice::SIDE;
 
 /// Number of layers of the atlas: enough for one tile per cell in view.
-pub const LAYERS: u32 = MOST_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
+pub const LAYERS: u32 = MAX_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
 
 /// The map's state between frames.
 #[derive(Debug)]

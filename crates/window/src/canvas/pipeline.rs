@@ -151,7 +151,7 @@ struct Brush {
 }
 
 /// Largest number of places along a pixel whose light is mixed: as many as samples of the finest level.
-const MOST_TAPS: u32 = 7;
+const MAX_TAPS: u32 = 7;
 
 impl Canvas {
     /// Creates the resources, with an atlas of `layers` layers, for a target format.
@@ -175,7 +175,7 @@ impl Canvas {
             let bindings = bindings(device, &pipeline, &uniforms, &atlas, &table);
             Brush { pipeline, bindings }
         };
-        let (plain, mixing) = (brush(1), brush(MOST_TAPS));
+        let (plain, mixing) = (brush(1), brush(MAX_TAPS));
         let quads = quad_buffer(device, &[]);
         let kept = KeptPicture::new(device, target);
         let on = DrawingSurface::Kept;
@@ -355,7 +355,7 @@ fn pipeline(
             module: shader,
             entry_point: Some("colour_of"),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[("ENCODE", encode), ("MOST_TAPS", f64::from(most_taps))],
+                constants: &[("ENCODE", encode), ("MAX_TAPS", f64::from(most_taps))],
                 ..Default::default()
             },
             targets: &[Some(wgpu::ColorTargetState {

@@ -33,7 +33,7 @@ impl WordKind {
                 let height = scale.height(samples.values(place)[*channel]);
                 let status = samples.get(place).status;
                 // What has no time has no height.
-                let height = if status == Status::Flipped { height * HEIGHT_STEPS } else { 0.0 };
+                let height = if status == Status::Answered { height * HEIGHT_STEPS } else { 0.0 };
                 packed(height, samples.trust(place), status)
             }
             WordKind::Colours(colours) => {
@@ -69,9 +69,9 @@ mod tests {
         let scene = Scene { question, ..Scene::default() };
         let colours = AnswerColours::new(&scene, &PictureTable::default()).unwrap();
         let mut samples = Samples::unanswered(2, 6);
-        samples.set_values(0, Status::Flipped, &[0.5, -1.0, 2.0, 3.0, 0.0, 0.0]);
+        samples.set_values(0, Status::Answered, &[0.5, -1.0, 2.0, 3.0, 0.0, 0.0]);
         samples.set_trust(0, Trust::Uncertain);
-        let [r, g, b] = colours.colour(Status::Flipped, samples.values(0)).map(u32::from);
+        let [r, g, b] = colours.colour(Status::Answered, samples.values(0)).map(u32::from);
         let words = WordKind::Colours(Box::new(colours)).words(&samples);
         assert_eq!(words[0] >> 5, (r << 16) | (g << 8) | b);
         assert_eq!((words[0] & 3, (words[0] >> 2) & 7), (1, Trust::Uncertain as u32));

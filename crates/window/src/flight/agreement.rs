@@ -24,7 +24,7 @@ impl Agreement {
             return Agreement::OtherStatus;
         }
         let apart_secs = (Dd::new(told.time) - flown.time).hi.abs();
-        if told.status == Status::Flipped && apart_secs > TOLERATED_SECS {
+        if told.status == Status::Answered && apart_secs > TOLERATED_SECS {
             Agreement::Apart(apart_secs)
         } else {
             Agreement::Same

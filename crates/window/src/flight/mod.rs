@@ -24,7 +24,7 @@ use flipmap_numbers::Dd;
 use flipmap_pendulum::{Launch, Outcome, Pendulum, Status};
 
 /// Shortest simulated duration of a flight, whatever the budget, in seconds.
-pub(crate) const LEAST_SECS: f64 = 30.0;
+pub(crate) const MIN_SECS: f64 = 30.0;
 
 /// One flight, as far as it has come.
 #[derive(Debug)]
@@ -45,7 +45,7 @@ impl Flight {
         wake: impl Fn() + Send + 'static,
     ) -> Flight {
         let (sender, incoming) = mpsc::channel();
-        let until_secs = question.budget_secs.max(LEAST_SECS);
+        let until_secs = question.budget_secs.max(MIN_SECS);
         let fly = move || {
             pilot::fly(&question, starts, until_secs, |part| {
                 let wanted = sender.send(part).is_ok();
@@ -180,7 +180,7 @@ mod tests {
                 seen.push(expected.status);
             }
         }
-        for status in [Status::Flipped, Status::Unflipped, Status::Forbidden] {
+        for status in [Status::Answered, Status::Unflipped, Status::Forbidden] {
             assert!(seen.contains(&status), "{status:?} is not among them");
         }
     }
@@ -189,7 +189,7 @@ mod tests {
     fn every_moment_is_that_of_the_orbit_and_energy_is_kept() {
         let flight = complete(question(Rule::Second, 5.0), pair([2.2, 1.4].map(Dd::new)));
         let record = flight.record();
-        assert_eq!((record.ending, record.end_secs()), (Some(FlightEnding::Complete), LEAST_SECS));
+        assert_eq!((record.ending, record.end_secs()), (Some(FlightEnding::Complete), MIN_SECS));
         let pendulum: Pendulum<Dd> = flight.question().build.pendulum_in();
         let mut orbit = Orbit::new(pendulum, State::rest([2.2, 1.4].map(Dd::new)));
         for i in 0..=300 {
@@ -256,7 +256,7 @@ mod tests {
         assert!((truth.angle[1].hi - kept.angle[1]).abs() < 1e-12);
         assert!((kept.angle[1] + 0.2).abs() > 1.0, "it moves fast");
         let flip = flight.outcome().expect("known");
-        assert_eq!(flip.status, Status::Flipped);
+        assert_eq!(flip.status, Status::Answered);
         assert!(flip.time.hi > 0.0 && flip.time.hi < 6.0);
         let slow = Launch { speed: [0.1, 0.1].map(Dd::new), ..start };
         let forbidden = flown(question, [slow; 2]).outcome().expect("known");
@@ -270,7 +270,7 @@ mod tests {
         let start = [0.3, 0.2].map(Dd::new);
         let flight = complete(long, pair(start));
         assert_eq!(flight.record().ending, Some(FlightEnding::Full));
-        assert!(flight.record().own.motion.len() <= pilot::MOST_STEPS);
+        assert!(flight.record().own.motion.len() <= pilot::MAX_STEPS);
         assert_eq!(flight.outcome().map(|outcome| outcome.status), Some(Status::Forbidden));
 
         let wakes = Arc::new(AtomicUsize::new(0));

@@ -13,7 +13,7 @@ use flipmap_pendulum::{Launch, Pendulum, Rule, State, oracle};
 /// Time for which results are gathered before they are handed over: about a frame.
 const GATHERED: Duration = Duration::from_millis(16);
 /// Greatest number of steps stored of one motion: seven minutes of the home pendulum, in 6 MiB.
-pub(crate) const MOST_STEPS: usize = 20_000;
+pub(crate) const MAX_STEPS: usize = 20_000;
 
 /// Integrates a pendulum from the first start and its ghost from the second up to `until_secs`;
 /// stops as soon as `hand_over` returns false.
@@ -134,7 +134,7 @@ impl GhostPair {
         if moment >= self.until {
             return Some(FlightEnding::Complete);
         }
-        (self.own.steps.max(self.ghost.steps) >= MOST_STEPS).then_some(FlightEnding::Full)
+        (self.own.steps.max(self.ghost.steps) >= MAX_STEPS).then_some(FlightEnding::Full)
     }
 
     fn reading_at_release(&self) -> Reading {

@@ -242,7 +242,7 @@ fn size(ui: &mut Ui, form: &mut ExportForm) {
     });
     combo.response.labelled_by(label.id);
     ui.end_row();
-    let longest = f64::from(PictureTable::LONGEST_SIDE);
+    let longest = f64::from(PictureTable::MAX_SIDE);
     for (name, side) in ["Width", "Height"].into_iter().zip(&mut form.size) {
         if let Some(new) = number(ui, name, " px", f64::from(*side), 1.0..=longest) {
             *side = new.round() as u32;

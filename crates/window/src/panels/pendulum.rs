@@ -15,7 +15,7 @@ use flipmap_lab::drawing::{CANVAS, FAINT, INK};
 pub(crate) use drawing::miniature;
 
 /// Greatest side of the stage in the panel, in points.
-const MOST_SIDE: f32 = 300.0;
+const MAX_SIDE: f32 = 300.0;
 /// Height in points that the tabs and the clock take below a stage that fills the window.
 const BELOW_STAGE: f32 = 135.0;
 /// Time between two frames of flying pendulums: as smooth as a film, at half the cost of a game.
@@ -28,7 +28,7 @@ pub fn pendulum_panel(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
     match pins.selected() {
         Some(pin) => {
             let width = ui.available_width();
-            drawing::stage(ui, pins, pin, vec2(width, width.min(MOST_SIDE)));
+            drawing::stage(ui, pins, pin, vec2(width, width.min(MAX_SIDE)));
             clock(ui, pins, pin, &mut actions);
             ui.separator();
             facts::facts(ui, pin);

@@ -88,7 +88,7 @@ fn asked(ui: &mut Ui, question: &mut QuestionTable) {
         rule(ui, &mut question.rule);
     }
     if kind.has_count {
-        let most = f64::from(QuestionTable::MOST_COUNT);
+        let most = f64::from(QuestionTable::MAX_COUNT);
         if let Some(count) = number(ui, "Flip number", "", f64::from(question.count), 1.0..=most) {
             question.count = count.round() as u32;
         }

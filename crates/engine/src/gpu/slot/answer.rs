@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{Slot, answer_bytes};
 use crate::gpu::packing::Packing;
-use crate::integrator_state::{MOST_CARRIED, carried_names};
+use crate::integrator_state::{MAX_CARRIED, carried_names};
 use crate::pace::Pace;
 use crate::shared::{CountedOutcome, PackedWork, RawOutcome, from_parts, status_of};
 use crate::{
@@ -86,7 +86,7 @@ impl Slot {
         }
         let one = |(k, (raw, state)): (usize, (&RawOutcome, &IntegratorState))| {
             let flipped =
-                (status_of(raw.status) == Some(Status::Flipped)).then(|| from_parts(raw.moment));
+                (status_of(raw.status) == Some(Status::Answered)).then(|| from_parts(raw.moment));
             let clearance = f64::from(raw.clearance);
             let how = (&self.job.config, &self.pace);
             let mut end = start::end(&reduced, how, state, flipped, clearance);
@@ -138,8 +138,8 @@ impl Slot {
     fn outcome(&self, raw: &RawOutcome, status: Status) -> Outcome {
         let moment = from_parts(raw.moment);
         match (status, self.pace) {
-            (Status::Flipped, Pace::Fixed(steps)) => steps.outcome_of_pass(raw.steps, moment),
-            (Status::Flipped, Pace::Adaptive(adaptive)) => adaptive.outcome_of_pass(moment),
+            (Status::Answered, Pace::Fixed(steps)) => steps.outcome_of_pass(raw.steps, moment),
+            (Status::Answered, Pace::Adaptive(adaptive)) => adaptive.outcome_of_pass(moment),
             _ => Outcome::without_time(status),
         }
     }
@@ -162,7 +162,7 @@ impl Slot {
         let ends = self.job.keep.ends;
         let count = NUMBERS + carried_names(ends).len();
         let paused = |i: usize| {
-            let mut all = [0.0; NUMBERS + MOST_CARRIED];
+            let mut all = [0.0; NUMBERS + MAX_CARRIED];
             for (k, places) in self.places.iter().enumerate() {
                 let [high, low] = states[k * raw.len() + i];
                 match *places {
@@ -209,7 +209,7 @@ fn passes_of(passes: &[[u32; 4]], k: usize) -> [u32; 4] {
 /// flip that has no time.
 fn ended(raw: &RawOutcome) -> Option<Status> {
     let is_sound = |status: &Status| {
-        *status != Status::Flipped || raw.moment.iter().all(|part| part.is_finite())
+        *status != Status::Answered || raw.moment.iter().all(|part| part.is_finite())
     };
     status_of(raw.status).filter(is_sound)
 }
@@ -280,7 +280,7 @@ mod tests {
     fn pendulums_that_a_device_lost_are_not_taken_for_unflipped_ones() {
         // The number of looks above the low byte says nothing about the end.
         let [unflipped, flipped, failed] = [raw(0), raw(1 | 7 << 8), raw(3 | 1 << 8)];
-        let ended = vec![Status::Unflipped, Status::Flipped, Status::Failed];
+        let ended = vec![Status::Unflipped, Status::Answered, Status::Failed];
         assert_eq!(statuses(&[unflipped, flipped, failed]), Ok(ended));
         for lost in [RUNNING, RUNNING | 3 << 8, Status::Forbidden as u32, 77] {
             let error = statuses(&[unflipped, raw(lost), flipped]).unwrap_err();

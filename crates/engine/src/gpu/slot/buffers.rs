@@ -8,7 +8,7 @@ use wgpu::BufferUsages as Usage;
 use super::{WORK_BYTES, outcome_size};
 use crate::gpu::device::Gpu;
 use crate::gpu::pipeline::Kernel;
-use crate::gpu::tuning::MOST_SLICES;
+use crate::gpu::tuning::MAX_SLICES;
 use crate::shared::{JobHead, JobScene, Queue};
 use crate::{EngineError, Job, Keep, Precision};
 
@@ -45,7 +45,7 @@ pub(super) struct Ticks {
 /// Size in bytes of the two moments of a submission.
 pub(super) const TICK_BYTES: u64 = 16;
 /// Offset of these moments among the progress.
-pub(super) const TICKS_AT: u64 = MOST_SLICES as u64 * size_of::<Queue>() as u64;
+pub(super) const TICKS_AT: u64 = MAX_SLICES as u64 * size_of::<Queue>() as u64;
 
 /// Buffers of finished jobs, by their labels.
 #[derive(Default)]
@@ -54,7 +54,7 @@ pub(in crate::gpu) struct BufferPool {
 }
 
 /// Largest number of free buffers: those of two jobs. The ones that have waited longest go first.
-const MOST_FREE: usize = 22;
+const MAX_FREE: usize = 22;
 
 /// The size that is allocated for a buffer, so that jobs of nearly equal size can use each other's:
 /// at most a quarter more.
@@ -103,7 +103,7 @@ impl BufferPool {
         self.free.extend(
             buffers.starts.into_iter().flat_map(|starts| [AXES, PLACES].into_iter().zip(starts)),
         );
-        let extra = self.free.len().saturating_sub(MOST_FREE);
+        let extra = self.free.len().saturating_sub(MAX_FREE);
         self.free.drain(..extra);
     }
 }

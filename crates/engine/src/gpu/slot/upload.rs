@@ -61,7 +61,7 @@ impl Slot {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.groups[0], &[]);
         pass.set_bind_group(2, &self.kernel.bind(gpu, 2, &[numbers, places]), &[]);
-        pass.dispatch_workgroups(workgroups(self.head.count, LEAST_WORKGROUP), 1, 1);
+        pass.dispatch_workgroups(workgroups(self.head.count, MIN_WORKGROUP), 1, 1);
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
     }
@@ -87,7 +87,7 @@ impl Slot {
 }
 
 /// Smallest number of invocations in a workgroup.
-const LEAST_WORKGROUP: u32 = 32;
+const MIN_WORKGROUP: u32 = 32;
 
 /// A number of each state as the device has it, from its place there and that of its remainder.
 fn encoded(

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Explorer, MOST_CELLS, ViewProgress};
+use super::{Explorer, MAX_CELLS, ViewProgress};
 use crate::tiles::cache::{CachedCell, SampleSet};
 use crate::tiles::order::{CellPass, Wanted};
 use crate::tiles::refinement::Coarser;
@@ -94,7 +94,7 @@ impl Explorer {
     pub fn progress(&self) -> ViewProgress {
         let Some(target) = &self.target else { return ViewProgress::default() };
         let known = |cell: Cell| self.peek(cell);
-        let placed = target.region.cells(target.level, MOST_CELLS);
+        let placed = target.region.cells(target.level, MAX_CELLS);
         let share = |cell| known(cell).map_or(0.0, |known| known.share(target.budget_secs));
         let shares: Vec<f64> = placed.iter().map(|placed| share(placed.cell)).collect();
         let drawn = |cell: Cell| {

@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::{Explorer, Physics, ViewTarget};
 
 /// Longest time for which a pendulum keeps its place: a map that takes longer is not worth it.
-const MOST_HOLD: Duration = Duration::from_millis(700);
+const MAX_HOLD: Duration = Duration::from_millis(700);
 
 impl Explorer {
     /// Returns true if another target has to wait for the coarse map of the current one, because
@@ -25,7 +25,7 @@ impl Explorer {
             && next.level == target.level;
         differs_in_build
             && !self.progress().covered
-            && self.key_since.is_some_and(|since| since.elapsed() < MOST_HOLD)
+            && self.key_since.is_some_and(|since| since.elapsed() < MAX_HOLD)
     }
 
     /// Replaces the target by the one that waits, as soon as it may.

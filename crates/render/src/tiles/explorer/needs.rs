@@ -5,7 +5,7 @@ use crate::tiles::order::CellPass;
 use crate::tiles::refinement::quarter_of;
 
 /// Number of levels up to the coarsest cell that is as fine as the first pass.
-const MOST_LEVELS: u32 = 3;
+const MAX_LEVELS: u32 = 3;
 
 impl Explorer {
     /// Returns true if a cell has to be computed: to make it complete, to show it sooner than that, to
@@ -37,7 +37,7 @@ impl Explorer {
         let quarters: Option<Vec<u32>> = cell.children().into_iter().map(places).collect();
         let quarters = quarters.and_then(|places| Some((places.into_iter().max()? / 2).max(1)));
         let ancestors = std::iter::successors(cell.parent(), Cell::parent);
-        let coarser = (1..=MOST_LEVELS).zip(ancestors);
+        let coarser = (1..=MAX_LEVELS).zip(ancestors);
         let coarser = coarser.filter_map(|(level, cell)| Some(places(cell)? << level));
         coarser.chain(quarters).min()
     }

@@ -92,7 +92,7 @@ fn told_words(pin: &Pin) -> String {
 
 fn outcome_words(outcome: &Outcome, flight: &Flight) -> String {
     match outcome.status {
-        Status::Flipped => format!("{:.6} s", outcome.time),
+        Status::Answered => format!("{:.6} s", outcome.time),
         Status::Unflipped => {
             format!("none within {} s", round_secs(flight.question().budget_secs))
         }
