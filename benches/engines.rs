@@ -7,7 +7,7 @@
 use flipmap_engine::choice::open_checked;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::gpu::device;
-use flipmap_engine::{Engine, IntegratorConfig, Method, Precision, Question};
+use flipmap_engine::{Engine, EventSpec, IntegratorConfig, Method, Precision};
 use flipmap_numbers::Dd;
 use flipmap_report::{baseline, stopwatch};
 use flipmap_scene::{Fate, Grid, Scene};
@@ -19,7 +19,7 @@ const SCALAR_SHARE: usize = 61;
 
 fn main() {
     let scene = Scene::default();
-    let question = Question::from(&scene);
+    let question = EventSpec::from(&scene);
     let grid = Grid::new(&scene, [SIDE, SIDE]);
     let starts: Vec<[Dd; 2]> = (0..SIDE * SIDE)
         .filter_map(|k| match grid.fate(k % SIDE, k / SIDE) {

@@ -3,12 +3,12 @@
 //! `cargo run --release --example custom_integrator`
 
 use flipmap::{Dd, Outcome, Pendulum, Rule, oracle};
-use flipmap_engine::Question;
+use flipmap_engine::EventSpec;
 use flipmap_engine::cpu::{Dop853, EmbeddedPair, outcomes};
 use flipmap_pendulum::embedded::Trial;
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::phase::Phase;
-use flipmap_scene::Build;
+use flipmap_scene::PendulumSpec;
 
 /// Orders 3 and 2 (P. Bogacki and L. F. Shampine, *A 3(2) pair of Runge–Kutta formulas*, 1989).
 struct BogackiShampine;
@@ -40,8 +40,8 @@ impl EmbeddedPair for BogackiShampine {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let question =
-        Question { build: Build::default(), rule: Rule::Second, budget_secs: 4.0, passes: 1 };
+    let build = PendulumSpec::default();
+    let question = EventSpec { build, rule: Rule::Second, budget_secs: 4.0, passes: 1 };
     let start = |k: u32| [1.6 + 0.02 * f64::from(k % 8), 2.2 + 0.1 * f64::from(k / 8)];
     let starts: Vec<[Dd; 2]> = (0..64).map(|k| start(k).map(Dd::new)).collect();
     let own = outcomes::<BogackiShampine>(&question, 1e-9, &starts)?;

@@ -6,7 +6,7 @@ use std::io::Cursor;
 
 use flipmap_engine::Accuracy;
 use flipmap_engine::profile::Profile;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_render::farm::{PartForm, PartForms, Parts, Plan};
 use flipmap_render::film::Frames;
 use flipmap_render::output::compare::{ResultRows, Yardstick, compare};
@@ -60,8 +60,8 @@ pub(crate) fn place(bytes: &[u8]) {
 /// A coordinate, in rad, in degrees or as a part of π.
 pub(crate) fn coordinate(bytes: &[u8]) {
     let rad = in_rad(text(bytes));
-    if let Some(theta) = Theta::parse(&rad) {
-        let again = Theta::parse(&theta.decimal(40)).expect("what is written is read");
+    if let Some(theta) = Exact::parse(&rad) {
+        let again = Exact::parse(&theta.decimal(40)).expect("what is written is read");
         assert!((theta - again).to_f64().abs() < 1e-39);
     }
 }

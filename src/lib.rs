@@ -65,4 +65,4 @@ pub use flipmap_render::output::{
 };
 pub use flipmap_render::tiles::{Renderer, Samples};
 pub use flipmap_scene::question::Channel;
-pub use flipmap_scene::{BuiltIn, Document, PictureTable, RunTable, Scene, Word};
+pub use flipmap_scene::{BuiltIn, Document, PictureTable, RunTable, Scene, Setting};

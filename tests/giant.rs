@@ -47,8 +47,8 @@ fn render(size: [u32; 2], paths: &Paths) -> Counts {
     let mut counts = Counts::default();
     for pass in sinks.passes(Sampling::SINGLE) {
         let mut work = Work::new(&document.scene(), size, CONFIG, engine.job_size);
-        let (clock, go_on) = (&mut RenderClock::default(), &mut |_: &Counts| true);
-        render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, go_on).unwrap();
+        let (clock, keep_going) = (&mut RenderClock::default(), &mut |_: &Counts| true);
+        render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, keep_going).unwrap();
         counts += work.counts();
     }
     sinks.finish().unwrap();

@@ -28,7 +28,7 @@ impl Clock {
     }
 
     /// Returns false once Python raised an exception. Call without the interpreter's lock.
-    pub(crate) fn go_on(&self, done: u64) -> bool {
+    pub(crate) fn keep_going(&self, done: u64) -> bool {
         // Whoever finds another thread at it leaves it to that one.
         let Ok(mut state) = self.state.try_lock() else { return true };
         if state.raised.is_none() && state.last.elapsed() >= PERIOD {

@@ -9,7 +9,7 @@ mod trace;
 /// The functions that `flipmap/__init__.py` calls.
 #[pyo3::pymodule]
 mod _flipmap {
-    use flipmap::{BuiltIn, Status, Trust, Word};
+    use flipmap::{BuiltIn, Setting, Status, Trust};
     use pyo3::prelude::*;
 
     #[pymodule_export]
@@ -20,7 +20,7 @@ mod _flipmap {
     /// Adds the words and codes that Python needs, so that they are written once.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        let words = Word::ALL.map(|(name, _)| name);
+        let words = Setting::ALL.map(|(name, _)| name);
         module.add("WORDS", words.to_vec())?;
         let scenes: Vec<_> = BuiltIn::names().split(", ").map(str::to_string).collect();
         module.add("SCENES", scenes)?;

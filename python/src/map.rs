@@ -94,8 +94,8 @@ pub(crate) fn render<'py>(
             config.method.name(),
             config.precision
         );
-        let rendered =
-            renderer.render_while(&document.scene(), size, &|counts| clock.go_on(counts.pixels));
+        let rendered = renderer
+            .render_while(&document.scene(), size, &|counts| clock.keep_going(counts.pixels));
         let samples = rendered.map_err(failed)?;
         Ok::<_, PyErr>((samples, about))
     });

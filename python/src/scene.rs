@@ -1,5 +1,5 @@
 //! A scene from what Python says: a name, a file or a text, and words.
-use flipmap::{BuiltIn, Document, Word, named_document};
+use flipmap::{BuiltIn, Document, Setting, named_document};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -18,7 +18,7 @@ pub(crate) fn document(scene: Option<&str>, words: &[(String, String)]) -> PyRes
         None => BuiltIn::home().document(),
     };
     let words = words.iter().map(|(name, text)| {
-        let word = Word::ALL.iter().find(|(word, _)| word == name);
+        let word = Setting::ALL.iter().find(|(word, _)| word == name);
         let (_, word) = word.ok_or_else(|| value_error(format!("there is no word {name}")))?;
         Ok((*word, text.as_str()))
     });

@@ -50,7 +50,7 @@ pub(crate) fn trace<'py>(
 /// The bytes of all rows, or of those before the clock said no.
 fn rows(trace: &mut Trace, clock: &Clock) -> PyResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    while clock.go_on(0) {
+    while clock.keep_going(0) {
         match trace.advance().map_err(|error| PyRuntimeError::new_err(error.to_string()))? {
             Advance::Row(row) => bytes.extend(row.iter().flat_map(|number| number.to_ne_bytes())),
             Advance::Step => {}

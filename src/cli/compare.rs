@@ -6,8 +6,8 @@ use anyhow::Context;
 use clap::Args;
 use flipmap_render::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
 use flipmap_render::output::{PictureFile, SafeFile, read_document};
-use flipmap_scene::QuestionTable;
-use flipmap_scene::question::Ask;
+use flipmap_scene::QuestionSettings;
+use flipmap_scene::question::QuestionName;
 
 use super::exit::Exit;
 use super::options::number;
@@ -80,7 +80,7 @@ fn yardstick(options: &Options, a: &ResultRows, b: &ResultRows) -> anyhow::Resul
     let Some(name) = &options.ask else {
         return Ok(Yardstick::Plain);
     };
-    let ask: Ask =
+    let ask: QuestionName =
         name.parse().map_err(|names| Exit::Usage(format!("--ask is '{name}'; {names}")))?;
     a.require(ask)?;
     b.require(ask)?;
@@ -94,7 +94,7 @@ fn one_question(a: &Path, b: &Path) -> Result<(), Exit> {
         let is_file =
             path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
         let document = is_file.then(|| read_document(path).ok()).flatten()?;
-        let QuestionTable { ask, count, .. } = document.question;
+        let QuestionSettings { ask, count, .. } = document.question;
         let which = if count > 1 { format!(" --count {count}") } else { String::new() };
         Some(format!("{ask}{which} on the plane {}", document.plane.kind))
     };

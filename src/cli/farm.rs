@@ -157,16 +157,16 @@ pub(super) fn paint(
     }
     let sink = FilmSink::open(output, film, &document)?;
     let mut progress = Progress::of(mode, u64::from(film.frames), "frames");
-    let mut go_on = |frames| {
+    let mut keep_going = |frames| {
         progress.set(frames, None);
         !stop::asked()
     };
     let picture = &document.picture;
     let painted = match &task.work {
         TaskKind::Frames(_, frames) => {
-            merge::frames(film, frames, picture, &mut parts, sink, &mut go_on)
+            merge::frames(film, frames, picture, &mut parts, sink, &mut keep_going)
         }
-        _ => merge::film(task, picture, &mut parts, sink, &mut go_on),
+        _ => merge::film(task, picture, &mut parts, sink, &mut keep_going),
     };
     drop(progress);
     painted.map_err(|error| match error {

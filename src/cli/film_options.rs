@@ -9,8 +9,8 @@ use flipmap_numbers::Decimal;
 use flipmap_render::output::read_text;
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key, Keys};
-use flipmap_scene::question::Ask;
-use flipmap_scene::{Budget, Document, DocumentError, Sampling, Scene, SceneError, View, Word};
+use flipmap_scene::question::QuestionName;
+use flipmap_scene::{Budget, Document, DocumentError, Sampling, Scene, SceneError, Setting, View};
 
 use super::exit::Exit;
 use super::options::{SceneWords, load, number};
@@ -252,7 +252,7 @@ fn varied(scene: Document, vary: &str, words: &SceneWords) -> anyhow::Result<Vec
         let mut key = Key { secs, easing: Easing::Linear, clock: None, scene: scene.clone() };
         let one = || number(text).ok_or_else(wrong);
         let latest = [from, to].into_iter().filter_map(number).fold(0.0, f64::max);
-        let latest = if words.says(Word::Budget) { 0.0 } else { latest };
+        let latest = if words.says(Setting::Budget) { 0.0 } else { latest };
         let exact = |text: &str| Decimal::from_str(text.trim()).map_err(|()| wrong());
         let two = || {
             let (first, second) = text.split_once(',').ok_or_else(wrong)?;
@@ -267,7 +267,7 @@ fn varied(scene: Document, vary: &str, words: &SceneWords) -> anyhow::Result<Vec
                 budget.auto &= budget.secs > latest;
             }
             "at" => {
-                if !words.says(Word::Ask) && !key.scene.question.ask.kind().at_a_time {
+                if !words.says(Setting::Ask) && !key.scene.question.ask.kind().at_a_time {
                     key.scene = asking_state(key.scene, words);
                 }
                 let question = &mut key.scene.question;
@@ -290,8 +290,8 @@ fn varied(scene: Document, vary: &str, words: &SceneWords) -> anyhow::Result<Vec
 
 /// The scene with the question state; a rule or a count among the words is left to be refused.
 fn asking_state(mut scene: Document, words: &SceneWords) -> Document {
-    scene.question.ask = Ask::State;
-    if words.says(Word::Rule) || words.says(Word::Count) {
+    scene.question.ask = QuestionName::State;
+    if words.says(Setting::Rule) || words.says(Setting::Count) {
         return scene;
     }
     let without_strays = scene.scene().without_strays();

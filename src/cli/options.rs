@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 use clap::builder::Resettable;
 use flipmap_render::output::named_document;
-use flipmap_scene::{BuiltIn, Document, SceneError, Word};
+use flipmap_scene::{BuiltIn, Document, SceneError, Setting};
 
 use super::exit::Exit;
 use super::same_file::Named;
@@ -110,7 +110,7 @@ impl SceneWords {
     }
 
     /// Returns true if a word was given as an option.
-    pub(super) fn says(&self, word: Word) -> bool {
+    pub(super) fn says(&self, word: Setting) -> bool {
         self.said().iter().any(|(other, said)| *other == word && said.is_some())
     }
 
@@ -122,25 +122,25 @@ impl SceneWords {
         Ok(document.with_scene(scene))
     }
 
-    fn said(&self) -> [(Word, &Option<String>); 17] {
+    fn said(&self) -> [(Setting, &Option<String>); 17] {
         [
-            (Word::Center, &self.center),
-            (Word::Width, &self.width),
-            (Word::Rotate, &self.rotate),
-            (Word::Stretch, &self.stretch),
-            (Word::Ask, &self.ask),
-            (Word::At, &self.at),
-            (Word::Count, &self.count),
-            (Word::Plane, &self.plane),
-            (Word::Origin, &self.origin),
-            (Word::Energy, &self.energy),
-            (Word::Budget, &self.budget),
-            (Word::Rule, &self.rule),
-            (Word::Kind, &self.kind),
-            (Word::Friction, &self.friction),
-            (Word::Masses, &self.masses),
-            (Word::Lengths, &self.lengths),
-            (Word::Gravity, &self.gravity),
+            (Setting::Center, &self.center),
+            (Setting::Width, &self.width),
+            (Setting::Rotate, &self.rotate),
+            (Setting::Stretch, &self.stretch),
+            (Setting::Ask, &self.ask),
+            (Setting::At, &self.at),
+            (Setting::Count, &self.count),
+            (Setting::Plane, &self.plane),
+            (Setting::Origin, &self.origin),
+            (Setting::Energy, &self.energy),
+            (Setting::Budget, &self.budget),
+            (Setting::Rule, &self.rule),
+            (Setting::Kind, &self.kind),
+            (Setting::Friction, &self.friction),
+            (Setting::Masses, &self.masses),
+            (Setting::Lengths, &self.lengths),
+            (Setting::Gravity, &self.gravity),
         ]
     }
 }

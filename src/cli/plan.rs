@@ -267,12 +267,14 @@ fn merge_still(
     let total: u64 =
         passes.iter().map(|pass| u64::from(pass.size[0]) * u64::from(pass.size[1])).sum();
     let mut progress = Progress::of(options.progress, total, "samples");
-    let mut go_on = |done| {
+    let mut keep_going = |done| {
         progress.set(done, None);
         !stop::asked()
     };
-    merge::still(&document, passes, &mut parts, &paths, &mut go_on).map_err(|error| match error {
-        MergeError::Stopped => anyhow::Error::from(Exit::Unwritten),
-        error => error.into(),
-    })
+    merge::still(&document, passes, &mut parts, &paths, &mut keep_going).map_err(
+        |error| match error {
+            MergeError::Stopped => anyhow::Error::from(Exit::Unwritten),
+            error => error.into(),
+        },
+    )
 }

@@ -9,7 +9,7 @@ use clap::Args;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::depth::Following;
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_engine::trust::{Opinion, Outlook};
+use flipmap_engine::trust::{AccuracyEstimate, Opinion};
 use flipmap_engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
 use flipmap_render::output::{PictureRecipe, RenderError, RenderedPicture, Watch};
 use flipmap_render::tiles::{self, Counts, Renderer, SavedPixels};
@@ -153,7 +153,7 @@ fn outlook(
     scene: &Scene,
     how: (IntegratorConfig, Cells),
     engine: &mut dyn Engine,
-) -> anyhow::Result<Option<Outlook>> {
+) -> anyhow::Result<Option<AccuracyEstimate>> {
     if spec.setting != IntegrationSetting::Accuracy(Accuracy::Balanced) || spec.verify {
         return Ok(None);
     }
@@ -166,7 +166,7 @@ struct RunSummary<'a> {
     engine: &'a dyn Engine,
     config: IntegratorConfig,
     verified: bool,
-    outlook: Option<Outlook>,
+    outlook: Option<AccuracyEstimate>,
     opinion: Option<Opinion>,
     counts: Counts,
     /// Seconds of setup, computing and output.

@@ -132,7 +132,7 @@ fn the_bar_of_tools_does_what_its_names_say_and_goes_with_the_panels() {
     // What has to be scrolled to is not told.
     desktop.set_size(egui::vec2(720.0, 2600.0));
     desktop.run_steps(5);
-    for ask in flipmap_scene::question::Ask::ALL {
+    for ask in flipmap_scene::question::QuestionName::ALL {
         assert!(desktop.query_by_label(ask.kind().about).is_some(), "{}", ask.kind().name);
     }
     press(&mut desktop, Modifiers::NONE, Key::Escape);

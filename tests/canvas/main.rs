@@ -17,8 +17,8 @@ mod smooth;
 use doubtful::{Doubtful, fails, is_uncertain};
 use finer::encoded;
 use flipmap_engine::mock::MockEngine;
-use flipmap_engine::{IntegratorConfig, Method, Precision, Question};
-use flipmap_numbers::{Dd, Decimal, Scalar, Theta};
+use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision};
+use flipmap_numbers::{Dd, Decimal, Exact, Scalar};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::cache::TILE_BYTES;
 use flipmap_render::tiles::explorer::Explorer;
@@ -26,7 +26,7 @@ use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use flipmap_scene::palette::{FAILED, Ground, Rgb, Tones, equalised, light};
 use flipmap_scene::{
-    Budget, Build, Fate, Grid, PictureTable, QuestionTable as Asked, Scale, Scene,
+    Budget, Fate, Grid, PendulumSpec, PictureTable, QuestionSettings as Asked, Scale, Scene,
 };
 use flipmap_window::camera::{Camera, Screen};
 use flipmap_window::hover::sample_at;
@@ -61,18 +61,18 @@ fn scene(budget: f64) -> Scene {
 
 /// A common corner of four cells, around which some starts are forbidden, some flip, and some flip
 /// late.
-fn middle() -> [Theta; 2] {
+fn middle() -> [Exact; 2] {
     corner_beside([1.2, 1.0], LEVEL)
 }
 
 /// A corner of the level's cell around these angles.
-fn corner_beside(angle: [f64; 2], level: u32) -> [Theta; 2] {
-    let half = Theta::from_f64(side_rad(level) / 2.0);
-    Cell::around(angle.map(Theta::from_f64), level).center().map(|theta| theta + half)
+fn corner_beside(angle: [f64; 2], level: u32) -> [Exact; 2] {
+    let half = Exact::from_f64(side_rad(level) / 2.0);
+    Cell::around(angle.map(Exact::from_f64), level).center().map(|theta| theta + half)
 }
 
 /// A screen on which each pixel is one sample of the level.
-fn screen(center: [Theta; 2], level: u32) -> Screen {
+fn screen(center: [Exact; 2], level: u32) -> Screen {
     let width_rad = f64::from(SIZE[0]) * pitch_rad(level);
     Screen {
         camera: Camera { center, width_rad, ..Camera::whole(Reach::TORUS) },
@@ -111,7 +111,7 @@ fn outcome(fate: Fate, scene: &Scene) -> Outcome {
         Fate::Known(outcome) => outcome,
         Fate::Thrown(_) | Fate::BesideTop(_) => unreachable!("at rest, far from the top"),
         Fate::Open(angle) if fails(angle) => Outcome::without_time(Status::Failed),
-        Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
+        Fate::Open(angle) => MockEngine::answer(&EventSpec::from(scene), angle),
     }
 }
 
@@ -287,7 +287,7 @@ mod checks {
         let mut truth = Vec::new();
         for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
             let angle = grid.angle_from_pixel(x, y);
-            let angle = angle.map(Theta::from_dd);
+            let angle = angle.map(Exact::from_dd);
             let cell = Cell::around(angle, LEVEL);
             let place = |i: usize| (angle[i] - cell.center()[i]).to_f64() / pitch_rad(LEVEL);
             let half = f64::from(SIDE / 2);
@@ -349,7 +349,7 @@ mod checks {
         let mut explorer = explored(&screen, &home);
         let (picture, mut studio) = (&pictures()[1], Studio::new(PLAIN));
         let moon = Scene {
-            build: Build { gravity: Decimal::from(8.0), ..Build::default() },
+            build: PendulumSpec { gravity: Decimal::from(8.0), ..PendulumSpec::default() },
             ..home.clone()
         };
         explorer.target(&target(&screen, &moon));
@@ -366,7 +366,7 @@ mod checks {
     pub(crate) fn no_pixel_is_left_out() {
         let (scene, picture) = (scene(60.0), &pictures()[0]);
         let tones = Tones::new(picture, scene.build.unit_secs(), 60.0).unwrap();
-        let seam = [Theta::pi(), Theta::from_f64(-3.0)];
+        let seam = [Exact::pi(), Exact::from_f64(-3.0)];
         for (center, width_rad, rotate_deg, stretch) in [
             (seam, 0.7, 0.0, 1.0),
             (seam, 0.53, 30.0, 1.3),

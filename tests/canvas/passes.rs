@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_render::tiles::cache::TILE_BYTES;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::PictureTable;
@@ -20,7 +20,7 @@ needs_adapter! {
 }
 
 /// Returns the number of pixels whose sample is known, and of those among them with another colour.
-fn compared(center: [Theta; 2], turns: usize) -> [usize; 2] {
+fn compared(center: [Exact; 2], turns: usize) -> [usize; 2] {
     let scene = scene(30.0);
     let screen = screen(center, LEVEL);
     let picture = &PictureTable { curve: false, ..PictureTable::default() };

@@ -5,7 +5,7 @@ use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::BALANCED;
 use flipmap_engine::{Engine, IntegratorConfig};
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::Status;
 use flipmap_render::output::{RowOrder, RowPainter};
 use flipmap_render::tiles::cache::TILE_BYTES;
@@ -34,7 +34,7 @@ fn engine() -> DepthEngine<'static> {
 fn aligned(scene: &Scene) -> Screen {
     let pixel = scene.view.width_rad().hi / f64::from(SIZE[0]);
     let level = (0..).find(|&level| pitch_rad(level) <= pixel).unwrap();
-    let half = Theta::from_f64(side_rad(level) / 2.0);
+    let half = Exact::from_f64(side_rad(level) / 2.0);
     let cell = Cell::around(scene.view.center_rad(), level);
     crate::screen(cell.center().map(|theta| theta + half), level)
 }

@@ -5,7 +5,7 @@
 use flipmap_engine::choice::open_checked;
 use flipmap_engine::gpu::{GpuEngine, device};
 use flipmap_engine::{
-    Engine, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Question, Starts, Wait,
+    Engine, EventSpec, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Starts, Wait,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status, oracle};
@@ -33,8 +33,8 @@ pub(crate) fn gpu_engine() -> GpuEngine {
 }
 
 /// The question that a scene asks.
-pub(crate) fn question(scene: &Scene) -> Question {
-    Question::from(scene)
+pub(crate) fn question(scene: &Scene) -> EventSpec {
+    EventSpec::from(scene)
 }
 
 /// The open starts of every `every`-th column and row of a square picture.
@@ -54,7 +54,7 @@ pub(crate) fn open_starts(scene: &Scene, side: u32, every: u32) -> Vec<[Dd; 2]> 
 /// An engine's answers, in the order of the starts.
 pub(crate) fn answers(
     engine: &mut dyn Engine,
-    question: &Question,
+    question: &EventSpec,
     config: IntegratorConfig,
     starts: &[[Dd; 2]],
 ) -> Vec<Outcome> {
@@ -64,7 +64,7 @@ pub(crate) fn answers(
 /// Runs one job to its end, keeping the states of unflipped pendulums.
 pub(crate) fn finished(
     engine: &mut dyn Engine,
-    question: &Question,
+    question: &EventSpec,
     config: IntegratorConfig,
     starts: Starts,
 ) -> JobResult {
@@ -76,7 +76,7 @@ pub(crate) fn finished(
 }
 
 /// The gold standard's answers in f64.
-pub(crate) fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+pub(crate) fn truth(question: &EventSpec, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     let one = |angle: &[Dd; 2]| {
         let angle = angle.map(|theta| theta.hi);
         oracle::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
@@ -85,7 +85,7 @@ pub(crate) fn truth(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
 }
 
 /// Answers of a plain RK4 at 120 steps a second in f64, one pendulum at a time.
-pub(crate) fn scalar_rk4(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+pub(crate) fn scalar_rk4(question: &EventSpec, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     starts.par_iter().map(|&angle| baseline::outcome(question, angle)).collect()
 }
 

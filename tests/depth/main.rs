@@ -10,10 +10,10 @@ use flipmap_engine::depth::{DepthEngine, Following};
 use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_engine::trust::TrustEngine;
 use flipmap_engine::{
-    Cells, Deep, Engine, IntegratorConfig, Job, Keep, Leaf, Precision, Question, Starts, Trust,
+    Cells, Deep, Engine, EventSpec, IntegratorConfig, Job, Keep, Leaf, Precision, Starts, Trust,
     Wait,
 };
-use flipmap_numbers::{Fixed, Scalar, Theta};
+use flipmap_numbers::{Exact, Fixed, Scalar};
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status, oracle};
 use flipmap_render::tiles::{Samples, Work};
 use flipmap_scene::lattice::Cell;
@@ -75,7 +75,7 @@ fn truth<const N: usize>(scene: &Scene, size: [u32; 2], pixels: &[usize]) -> Vec
     let one = |&index: &usize| {
         let [x, y] = [index as u32 % size[0], index as u32 / size[0]].map(f64::from);
         let [w, h] = size.map(f64::from);
-        let by = [x + 0.5 - w / 2.0, h / 2.0 - y - 0.5].map(|by| Theta::from_f64(by * pixel));
+        let by = [x + 0.5 - w / 2.0, h / 2.0 - y - 0.5].map(|by| Exact::from_f64(by * pixel));
         let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<N>());
         let Outcome { status, time } = oracle::outcome(&pendulum, angle, rule, budget);
         Outcome { status, time: time.to_f64() }
@@ -123,7 +123,7 @@ fn deep_pixels_are_those_of_pendulums_integrated_in_long_numbers() {
 /// The same scene, moved to the right by a quarter of its width.
 fn scene_beside(scene: &Scene) -> Scene {
     let mut other = scene.clone();
-    let by = Theta::from_f64(scene.view.width_rad().to_f64() / 4.0);
+    let by = Exact::from_f64(scene.view.width_rad().to_f64() / 4.0);
     other.view.center[0] = (scene.view.center_rad()[0] + by).to_string();
     other
 }
@@ -155,7 +155,7 @@ fn deep_job(scene: &Scene, size: [u32; 2], keep: Keep) -> Job {
         plane: Box::new(ExactPlane::AT_REST),
         strict: false,
     });
-    let question = Question::from(scene);
+    let question = EventSpec::from(scene);
     Job { id: 3, question, config: BALANCED, starts, keep }
 }
 

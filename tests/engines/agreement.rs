@@ -6,11 +6,14 @@ use crate::common::*;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::level::FINEST;
 use flipmap_engine::{
-    Accuracy, Engine, IntegratorConfig, Keep, Method, Onset, Precision, Question, Starts, Upright,
+    Accuracy, Engine, EventSpec, IntegratorConfig, Keep, Method, Onset, Precision, Separable,
+    Starts,
 };
 use flipmap_numbers::{Dd, Decimal};
 use flipmap_pendulum::{Outcome, Rule, Status};
-use flipmap_scene::{Budget, Build, Fate, Grid, Kind, QuestionTable as Asked, Scene, View};
+use flipmap_scene::{
+    Budget, Fate, Grid, Kind, PendulumSpec, QuestionSettings as Asked, Scene, View,
+};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
@@ -82,18 +85,18 @@ fn the_lesson_is_right_where_rk4_at_120_is(make: Make) {
 }
 
 fn scenes() -> Vec<Scene> {
-    let scene = |build: Build, rule: Rule, budget: f64| Scene {
+    let scene = |build: PendulumSpec, rule: Rule, budget: f64| Scene {
         build,
         question: Asked { rule, budget: Budget::secs(budget), ..Asked::default() },
         ..Scene::default()
     };
-    let plain = Build::default();
+    let plain = PendulumSpec::default();
     vec![
-        scene(Build::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81), Rule::Second, 30.0),
-        scene(Build { kind: Kind::Rods, ..plain }, Rule::Second, 30.0),
+        scene(PendulumSpec::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81), Rule::Second, 30.0),
+        scene(PendulumSpec { kind: Kind::Rods, ..plain }, Rule::Second, 30.0),
         scene(plain, Rule::First, 30.0),
         scene(plain, Rule::Either, 30.0),
-        scene(Build { gravity: Decimal::from(1.62), ..plain }, Rule::Second, 30.0),
+        scene(PendulumSpec { gravity: Decimal::from(1.62), ..plain }, Rule::Second, 30.0),
     ]
 }
 
@@ -147,7 +150,7 @@ fn mirrored_starts_have_mirrored_fates(make: Make) {
     let mirrored: Vec<[Dd; 2]> = starts.iter().map(|angle| angle.map(|theta| -theta)).collect();
     let mut engine = make();
     for rule in [Rule::Second, Rule::Either] {
-        let question = Question { rule, ..question(&Scene::default()) };
+        let question = EventSpec { rule, ..question(&Scene::default()) };
         for config in configs() {
             let there = answers(engine.as_mut(), &question, config, &starts);
             let back = answers(engine.as_mut(), &question, config, &mirrored);
@@ -198,14 +201,14 @@ fn an_upright_picture_is_begun_as_start_by_start(make: Make) {
     let places: Vec<u32> = (0..width * height).filter(is_open).collect();
     assert!(places.len() > 300);
     let begun = |places: &[u32]| {
-        Starts::Upright(Upright { angles: upright.angles.clone(), places: places.to_vec() })
+        Starts::Upright(Separable { angles: upright.angles.clone(), places: places.to_vec() })
     };
     let mut engine = make();
     let configs = configs();
     for (passes, &config) in
         [1, 2].iter().flat_map(|passes| configs.iter().map(move |c| (*passes, c)))
     {
-        let question = Question { passes, ..question(&Scene::default()) };
+        let question = EventSpec { passes, ..question(&Scene::default()) };
         let mut answer = |starts| finished(engine.as_mut(), &question, config, starts);
         let [upright, listed] = [begun(&places), begun(&places).listed()].map(&mut answer);
         assert_eq!(upright.outcomes, listed.outcomes, "{config:?}, {passes} passes");
@@ -227,7 +230,7 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
         let mut evaluations = 0;
         // Stops between steps, inside steps, and almost immediately.
         for budget_secs in [0.001, 1.0, 3.3333, 7.0, 30.0] {
-            let question = Question { budget_secs, ..question };
+            let question = EventSpec { budget_secs, ..question };
             let part = finished(engine.as_mut(), &question, config, next);
             for (&start, &outcome) in open.iter().zip(&part.outcomes) {
                 outcomes[start] = Some(outcome);
@@ -253,7 +256,7 @@ fn the_budget_ends_where_it_says(make: Make) {
     let all = answers(engine.as_mut(), &full, lesson(Precision::F64), &starts);
     let some_flip = all.iter().find(|o| o.status == Status::Answered && o.time > 4.0).unwrap().time;
     for budget_secs in [5.0, 5.0001, some_flip, some_flip - 1e-9, 0.4] {
-        let question = Question { budget_secs, ..full };
+        let question = EventSpec { budget_secs, ..full };
         let cut = answers(engine.as_mut(), &question, lesson(Precision::F64), &starts);
         for (cut, all) in cut.iter().zip(&all) {
             let within = all.status == Status::Answered && all.time <= budget_secs;
@@ -286,7 +289,7 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
     for (masses, lengths) in
         [([1e-3, 1.0], [1.0, 1.0]), ([1.0, 1e-3], [1.0, 1e-3]), ([1e3, 1.0], [1e-3, 1.0])]
     {
-        let build = Build::new(Kind::Points, masses, lengths, 9.81);
+        let build = PendulumSpec::new(Kind::Points, masses, lengths, 9.81);
         let asked = Asked { budget: Budget::secs(3.0), ..Asked::default() };
         let scene = Scene { build, question: asked, ..Scene::default() };
         let starts = open_starts(&scene, 24, 1);

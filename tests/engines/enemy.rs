@@ -13,21 +13,21 @@ use flipmap_pendulum::{Outcome, Rule, Status, oracle};
 use flipmap_render::tiles::preview::preview;
 use flipmap_render::tiles::{Samples, Work};
 use flipmap_report::hunt::Hunt;
-use flipmap_scene::{Budget, Build, Grid, Kind as Sort, QuestionTable, Scene, View};
+use flipmap_scene::{Budget, Grid, Kind as Sort, PendulumSpec, QuestionSettings, Scene, View};
 use rayon::prelude::*;
 
-fn points() -> Build {
-    Build::default()
+fn points() -> PendulumSpec {
+    PendulumSpec::default()
 }
 
-fn rods() -> Build {
-    Build { kind: Sort::Rods, ..Build::default() }
+fn rods() -> PendulumSpec {
+    PendulumSpec { kind: Sort::Rods, ..PendulumSpec::default() }
 }
 
 /// The checked scene of a window.
-fn scene(build: Build, rule: Rule, budget_secs: f64, view: View) -> Scene {
+fn scene(build: PendulumSpec, rule: Rule, budget_secs: f64, view: View) -> Scene {
     let question =
-        QuestionTable { rule, budget: Budget::secs(budget_secs), ..QuestionTable::default() };
+        QuestionSettings { rule, budget: Budget::secs(budget_secs), ..QuestionSettings::default() };
     Scene { build, question, view, ..Scene::default() }.checked().expect("a scene")
 }
 
@@ -111,7 +111,7 @@ fn two_minutes_of_the_home_map() {
 
 #[test]
 fn a_pendulum_256_times_faster() {
-    let fast = Build::new(Sort::Points, [1.0; 2], [0.015625; 2], 1024.0);
+    let fast = PendulumSpec::new(Sort::Points, [1.0; 2], [0.015625; 2], 1024.0);
     assert_right(&scene(fast, Rule::First, 0.7, View::default()), 32, 3, 60);
 }
 

@@ -7,7 +7,7 @@ use flipmap_engine::gpu::device::is_software;
 use flipmap_engine::level::FINEST;
 use flipmap_engine::trust::TrustEngine;
 use flipmap_engine::{
-    Accuracy, End, Ends, Engine, Job, JobResult, Keep, Question, Starts, Trust, Wait,
+    Accuracy, Engine, EventSpec, FinalState, Job, JobResult, Keep, Starts, Trust, Wait, WantedEnd,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Rule, Status};
@@ -22,12 +22,12 @@ needs_adapter! {
 }
 
 /// A question whose budget is so short that roundings stay small.
-fn soon(rule: Rule, passes: u32) -> Question {
-    Question { rule, passes, budget_secs: 4.0, ..question(&Scene::default()) }
+fn soon(rule: Rule, passes: u32) -> EventSpec {
+    EventSpec { rule, passes, budget_secs: 4.0, ..question(&Scene::default()) }
 }
 
 /// The results of both engines, with all ends.
-fn on_both(question: Question, starts: &[[Dd; 2]]) -> [JobResult; 2] {
+fn on_both(question: EventSpec, starts: &[[Dd; 2]]) -> [JobResult; 2] {
     let ended = |engine: &mut dyn Engine| {
         let starts = Starts::Rest(starts.to_vec());
         let job = Job { id: 0, question, config: FINEST, starts, keep: Keep::ENDS };
@@ -54,7 +54,7 @@ mod checks {
             // in length.
             let flipped = gpu.outcomes.iter().map(|outcome| outcome.status == Status::Answered);
             let ends = gpu.ends.iter().zip(&cpu.ends).zip(flipped);
-            let ends: Vec<(&End, &End)> =
+            let ends: Vec<(&FinalState, &FinalState)> =
                 ends.filter(|(_, flips)| *flips).map(|(e, _)| e).collect();
             assert!(ends.len() > 300, "{}", ends.len());
             for (a, b) in &ends {
@@ -90,7 +90,7 @@ mod checks {
 
     pub(crate) fn they_carry_no_tangents() {
         let starts = Starts::Rest(open_starts(&Scene::default(), 8, 1));
-        let keep = Keep { ends: Ends::Growth, states: false };
+        let keep = Keep { ends: WantedEnd::Growth, states: false };
         let question = soon(Rule::Neither, 1);
         let job = Job { id: 0, question, config: FINEST, starts, keep };
         let error = gpu_engine().submit(job).unwrap_err().to_string();

@@ -16,7 +16,7 @@ use flipmap_render::output::compare::{Comparison, Difference, ResultRows, Yardst
 use flipmap_render::output::{RowOrder, RowPainter};
 use flipmap_render::tiles::Work;
 use flipmap_scene::{
-    Budget, Build, BuiltIn, Kind, PictureTable, QuestionTable, Sampling, Scene, View,
+    Budget, BuiltIn, Kind, PendulumSpec, PictureTable, QuestionSettings, Sampling, Scene, View,
 };
 use image::{Rgb, RgbImage};
 
@@ -33,10 +33,13 @@ struct Golden {
 }
 
 fn goldens() -> Vec<Golden> {
-    let question =
-        |rule, secs| QuestionTable { rule, budget: Budget::secs(secs), ..QuestionTable::default() };
-    let rods = Build { kind: Kind::Rods, ..Build::default() };
-    let uneven = Build::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81);
+    let question = |rule, secs| QuestionSettings {
+        rule,
+        budget: Budget::secs(secs),
+        ..QuestionSettings::default()
+    };
+    let rods = PendulumSpec { kind: Kind::Rods, ..PendulumSpec::default() };
+    let uneven = PendulumSpec::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81);
     let turned = View {
         center: ["-2.2".into(), "0.5".into()],
         width: "1.6".into(),

@@ -12,12 +12,12 @@ use flipmap_engine::gpu::{GpuEngine, MAX_KERNELS};
 use flipmap_engine::level::{BALANCED_DF32, FAST_TO_COMPILE, FINEST};
 use flipmap_engine::selfcheck::{self, Verdict};
 use flipmap_engine::{
-    Accuracy, Engine, EngineError, EngineKind, GpuTuning, IntegratorConfig, Job, Keep, Method,
-    Precision, Question, Starts, Wait,
+    Accuracy, Engine, EngineError, EngineKind, EventSpec, GpuTuning, IntegratorConfig, Job, Keep,
+    Method, Precision, Starts, Wait,
 };
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
-use flipmap_scene::{Build, Scene};
+use flipmap_scene::{PendulumSpec, Scene};
 
 /// The `lesson` configurations in both precisions, those of `fast` and `balanced`, and expansions.
 fn configs() -> Vec<IntegratorConfig> {
@@ -185,7 +185,7 @@ mod checks {
     pub(crate) fn a_general_kernel_is_as_right_as_one_made_for_the_scene() {
         let starts = open_starts(&Scene::default(), 64, 1);
         for rule in [Rule::Second, Rule::Either] {
-            let question = Question { rule, ..question(&Scene::default()) };
+            let question = EventSpec { rule, ..question(&Scene::default()) };
             let truth = truth(&question, &starts);
             for config in &configs()[1..] {
                 let right = [true, false].map(|specialised| {
@@ -200,9 +200,9 @@ mod checks {
     }
 
     /// The question at one of the positions of a slider of masses.
-    fn slid(step: u32) -> Question {
+    fn slid(step: u32) -> EventSpec {
         let masses = [1.0, 1.5 + 0.01 * f64::from(step)].map(Decimal::from);
-        let build = Build { masses, ..Build::default() };
+        let build = PendulumSpec { masses, ..PendulumSpec::default() };
         question(&Scene { build, ..Scene::default() })
     }
 

@@ -3,7 +3,7 @@
 use crate::common::*;
 use flipmap_engine::gpu::GpuEngine;
 use flipmap_engine::{
-    Engine, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Method, Precision, Question,
+    Engine, EventSpec, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Method, Precision,
     Starts, Wait,
 };
 use flipmap_pendulum::{Rule, Status};
@@ -33,7 +33,7 @@ fn both(engine: &mut GpuEngine, job: &Job) -> [JobResult; 2] {
 }
 
 /// The job of a home map of this many pixels along a side.
-fn job(question: Question, config: IntegratorConfig, side: u32) -> Job {
+fn job(question: EventSpec, config: IntegratorConfig, side: u32) -> Job {
     let starts = Starts::Rest(open_starts(&Scene::default(), side, 1));
     Job { id: 7, question, config, starts, keep: Keep::NOTHING }
 }
@@ -53,7 +53,7 @@ mod checks {
         let mut engine = gpu_engine();
         for config in methods {
             for rule in [Rule::Second, Rule::Either, Rule::Neither] {
-                let question = Question { rule, budget_secs: 6.0, ..question(&Scene::default()) };
+                let question = EventSpec { rule, budget_secs: 6.0, ..question(&Scene::default()) };
                 let [packed, whole] = both(&mut engine, &job(question, config, 24));
                 assert!(packed == whole, "{config:?} {rule:?}");
                 let flipped = packed.outcomes.iter().filter(|o| o.status == Status::Answered);
@@ -67,7 +67,7 @@ mod checks {
         let mut engine = gpu_engine();
         for precision in [Precision::F32, Precision::F64] {
             let (question, config) = (question(&Scene::default()), lesson(precision));
-            let soon = Question { budget_secs: 1.0, ..question };
+            let soon = EventSpec { budget_secs: 1.0, ..question };
             let begun = result(&mut engine, Keep::STATES, &job(soon, config, 24));
             // As if each had taken so many steps before that nine of them fill a word.
             let before = u32::MAX / 9;
@@ -79,7 +79,7 @@ mod checks {
             assert!(states.len() > 300);
             let budget_secs = f64::from(before + 700) / 120.0;
             let starts = Starts::Resumed { states, thrown: false };
-            let question = Question { budget_secs, ..question };
+            let question = EventSpec { budget_secs, ..question };
             let [packed, whole] = both(&mut engine, &Job { starts, ..job(question, config, 1) });
             assert!(packed == whole, "{precision}");
             let steps = packed.effort.steps as usize / packed.outcomes.len();

@@ -6,7 +6,7 @@ use flipmap_engine::trust::TrustEngine;
 use flipmap_engine::{Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Starts, Trust};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Pendulum, Status, oracle};
-use flipmap_scene::{Budget, QuestionTable as Asked, Scene, View};
+use flipmap_scene::{Budget, QuestionSettings as Asked, Scene, View};
 use rayon::prelude::*;
 
 fn exact() -> TrustEngine<'static> {

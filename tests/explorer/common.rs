@@ -3,21 +3,21 @@
 use std::time::{Duration, Instant};
 
 use flipmap_engine::mock::MockEngine;
-use flipmap_engine::{IntegratorConfig, Job, Method, Precision, Question};
-use flipmap_numbers::{Decimal, Scalar, Theta};
+use flipmap_engine::{EventSpec, IntegratorConfig, Job, Method, Precision};
+use flipmap_numbers::{Decimal, Exact, Scalar};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::cache::{CachedCell, TILE_BYTES};
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, Region, SIDE, side_rad};
-use flipmap_scene::{Budget, Build, Fate, QuestionTable as Asked, Scene};
+use flipmap_scene::{Budget, Fate, PendulumSpec, QuestionSettings as Asked, Scene};
 
 use super::ledger::Ledger;
 
 pub(crate) const ROOMY: usize = 4000 * TILE_BYTES;
 
 pub(crate) fn physics(gravity: f64) -> Physics {
-    let build = Build { gravity: Decimal::from(gravity), ..Build::default() };
+    let build = PendulumSpec { gravity: Decimal::from(gravity), ..PendulumSpec::default() };
     let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
     Physics::of(&Scene { build, ..Scene::default() }, config, false)
 }
@@ -29,7 +29,7 @@ pub(crate) fn target(center: [f64; 2], level: u32) -> ViewTarget {
         physics: physics(9.81),
         budget_secs: 30.0,
         region: Region {
-            center: center.map(Theta::from_f64),
+            center: center.map(Exact::from_f64),
             half_rad: [half, 0.8 * half],
             repeats: true,
         },
@@ -85,7 +85,7 @@ pub(crate) fn jobs_of_frames(
 pub(crate) fn cells_of(jobs: &[Job], levels: &[u32]) -> Vec<Cell> {
     jobs.iter()
         .filter_map(Ledger::first_start)
-        .map(|angle| cell_of(angle.map(Theta::from_dd), levels))
+        .map(|angle| cell_of(angle.map(Exact::from_dd), levels))
         .collect()
 }
 
@@ -125,7 +125,7 @@ pub(crate) fn drawn((known, mirrored): (&CachedCell, bool), target: &ViewTarget)
 
 /// The outcomes of a cell's samples by the mock engine's formula.
 pub(crate) fn truth(target: &ViewTarget, cell: Cell) -> Vec<Outcome> {
-    let (scene, question) = (scene(target), Question::from(&scene(target)));
+    let (scene, question) = (scene(target), EventSpec::from(&scene(target)));
     let grid = cell.grid(&scene, SIDE);
     let outcome = |place: u32| match grid.fate(place % SIDE, place / SIDE) {
         Fate::Known(outcome) => outcome,
@@ -136,11 +136,11 @@ pub(crate) fn truth(target: &ViewTarget, cell: Cell) -> Vec<Outcome> {
 }
 
 /// The cell from which a job's first start comes, searched for among the given levels.
-pub(crate) fn cell_of(angle: [Theta; 2], levels: &[u32]) -> Cell {
+pub(crate) fn cell_of(angle: [Exact; 2], levels: &[u32]) -> Cell {
     let fits = |level: &&u32| {
         let cell = Cell::around(angle, **level);
         let [column, row] = cell.sample_at(angle);
-        cell.grid(&Scene::default(), SIDE).angle_from_pixel(column, row) == angle.map(Theta::to_dd)
+        cell.grid(&Scene::default(), SIDE).angle_from_pixel(column, row) == angle.map(Exact::to_dd)
     };
     let level = levels.iter().find(fits).expect("a sample of one of the levels");
     Cell::around(angle, *level)

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use flipmap_engine::mock::MockEngine;
 use flipmap_engine::{
-    Engine, EngineError, EngineKind, IntegratorConfig, IntegratorState, Job, JobResult, Question,
+    Engine, EngineError, EngineKind, EventSpec, IntegratorConfig, IntegratorState, Job, JobResult,
     Starts, Wait,
 };
 use flipmap_numbers::Dd;
@@ -46,7 +46,7 @@ pub(crate) struct Ledger {
     done_secs: HashMap<Name, f64>,
 }
 
-fn name(question: &Question, [theta1, theta2]: [Dd; 2]) -> Name {
+fn name(question: &EventSpec, [theta1, theta2]: [Dd; 2]) -> Name {
     [theta1.hi, theta1.lo, theta2.hi, theta2.lo, question.build.gravity.value()].map(f64::to_bits)
 }
 

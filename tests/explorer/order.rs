@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use flipmap_engine::Engine;
 use flipmap_engine::mock::MockEngine;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::lattice::{Cell, Region, side_rad};
@@ -28,7 +28,7 @@ fn distances(target: &ViewTarget, region: &Region, level: u32) -> HashMap<Cell, 
 
 #[test]
 fn passes_follow_each_other_and_each_begins_with_what_is_near() {
-    let (middle, side) = (Cell::around([2.0, 1.0].map(Theta::from_f64), 9), side_rad(9));
+    let (middle, side) = (Cell::around([2.0, 1.0].map(Exact::from_f64), 9), side_rad(9));
     let [x, y] = [2.3 * side, 1.2 * side];
     let region = Region { center: middle.center(), half_rad: [x, y], repeats: true };
     let wide = ViewTarget { region, ..lively(9) };
@@ -83,7 +83,7 @@ fn every_pass_adds_its_samples_to_the_progress() {
 #[test]
 fn large_cards_get_jobs_of_many_cells() {
     let side = side_rad(9);
-    let center = Cell::around([2.0, 1.0].map(Theta::from_f64), 9).center();
+    let center = Cell::around([2.0, 1.0].map(Exact::from_f64), 9).center();
     let region = Region { center, half_rad: [7.2 * side; 2], repeats: true };
     let jobs = [1 << 16, 1 << 20].map(|job_size| {
         let mut engine = Ledger::over(MockEngine { job_size, ..MockEngine::default() });
@@ -125,7 +125,7 @@ fn what_is_still_useful_flies_on() {
     explorer.target(&target);
     for _ in 0..20 {
         frame(&mut explorer, &mut engine);
-        target.region.center[0] = target.region.center[0] + Theta::from_f64(0.02 * side_rad(12));
+        target.region.center[0] = target.region.center[0] + Exact::from_f64(0.02 * side_rad(12));
         explorer.target(&target);
     }
     explorer.work(&mut engine, None).unwrap();

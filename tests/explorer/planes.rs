@@ -3,21 +3,22 @@
 use flipmap_engine::IntegratorConfig;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::level::BALANCED;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::Status;
 use flipmap_render::tiles::Work;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, Region, SIDE, side_rad};
-use flipmap_scene::question::Ask;
-use flipmap_scene::{Budget, Plane, QuestionTable, Scene, View};
+use flipmap_scene::question::QuestionName;
+use flipmap_scene::{Budget, Plane, QuestionSettings, Scene, View};
 
 use crate::common::ROOMY;
 
 const CONFIG: IntegratorConfig = BALANCED;
 
-fn scene(ask: Ask, plane: &str) -> Scene {
-    let question = QuestionTable { ask, budget: Budget::secs(0.6), ..QuestionTable::default() };
+fn scene(ask: QuestionName, plane: &str) -> Scene {
+    let question =
+        QuestionSettings { ask, budget: Budget::secs(0.6), ..QuestionSettings::default() };
     let origin = ["0.4", "2.5", "0", "-1"].map(str::to_string);
     let plane = Plane { kind: plane.parse().unwrap(), origin, energy: 3.0 };
     Scene { question, plane, ..Scene::default() }.without_strays().checked().unwrap()
@@ -40,7 +41,7 @@ fn target(scene: &Scene, cell: Cell) -> ViewTarget {
 fn picture(scene: &Scene, cell: Cell) -> Vec<(Status, Vec<f64>)> {
     let doublings = scene.plane.lattice_doublings(&scene.build);
     let center = cell.center().map(|middle| middle.doubled(doublings).decimal(60));
-    let side = Theta::pi().doubled(1 + doublings).halved(cell.level);
+    let side = Exact::pi().doubled(1 + doublings).halved(cell.level);
     let view = View { center, width: side.decimal(40), ..View::default() };
     let scene = Scene { view, ..scene.clone() };
     let mut work = Work::new(&scene, [SIDE; 2], CONFIG, 4096);
@@ -60,14 +61,14 @@ fn picture(scene: &Scene, cell: Cell) -> Vec<(Status, Vec<f64>)> {
 #[test]
 fn a_tile_has_the_answers_of_a_picture_of_its_starts() {
     for (ask, plane, at) in [
-        (Ask::State, "angles", [-1.0, 2.0]),
-        (Ask::State, "first", [-0.2, 0.1]),
-        (Ask::First, "speeds", [0.5, 0.4]),
-        (Ask::Flip, "section", [0.7, 0.5]),
-        (Ask::Growth, "second", [0.1, -0.1]),
+        (QuestionName::State, "angles", [-1.0, 2.0]),
+        (QuestionName::State, "first", [-0.2, 0.1]),
+        (QuestionName::First, "speeds", [0.5, 0.4]),
+        (QuestionName::Flip, "section", [0.7, 0.5]),
+        (QuestionName::Growth, "second", [0.1, -0.1]),
     ] {
         let scene = scene(ask, plane);
-        let cell = Cell::around(at.map(Theta::from_f64), 6);
+        let cell = Cell::around(at.map(Exact::from_f64), 6);
         let mut explorer = Explorer::new(ROOMY);
         explorer.target(&target(&scene, cell));
         explorer.work(&mut CpuEngine::new(None).unwrap(), None).unwrap();
@@ -97,7 +98,7 @@ fn without_symmetry_every_cell_is_computed() {
         let scene = Scene { plane, ..scene(ask, "angles") };
         let home = Cell { level: 2, ..Cell::WHOLE };
         let region = Region { half_rad: [3.0; 2], ..target(&scene, home).region };
-        let region = Region { center: [Theta::ZERO; 2], ..region };
+        let region = Region { center: [Exact::ZERO; 2], ..region };
         let target = ViewTarget { region, level: 2, ..target(&scene, home) };
         let mut explorer = Explorer::new(ROOMY);
         explorer.target(&target);
@@ -106,6 +107,6 @@ fn without_symmetry_every_cell_is_computed() {
     };
     let tile = u64::from(SIDE * SIDE);
     // Of the 16 cells of level 2, half are mirror images.
-    assert_eq!(cells(Ask::Flip, "angles"), tile * 8);
-    assert_eq!(cells(Ask::State, "angles"), tile * 16);
+    assert_eq!(cells(QuestionName::Flip, "angles"), tile * 8);
+    assert_eq!(cells(QuestionName::State, "angles"), tile * 16);
 }

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use flipmap_engine::Engine;
 use flipmap_engine::mock::MockEngine;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_render::tiles::cache::TILE_BYTES;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_render::tiles::view_target::ViewTarget;
@@ -84,14 +84,14 @@ impl Session {
             Action::Pan(by) => self.look(|target| {
                 let center = target.region.center;
                 target.region.center =
-                    [0, 1].map(|i| (center[i] + Theta::from_f64(by[i] * side)).wrapped());
+                    [0, 1].map(|i| (center[i] + Exact::from_f64(by[i] * side)).wrapped());
             }),
             Action::Zoom(by) => {
                 // Deeper views are followed as cells, which keep no integrator states.
                 self.look(|target| target.level = target.level.saturating_add_signed(by).min(16));
             }
             Action::Jump(to, level) => self.look(|target| {
-                (target.region.center, target.level) = (to.map(Theta::from_f64), level);
+                (target.region.center, target.level) = (to.map(Exact::from_f64), level);
             }),
             Action::Gravity(gravity) => self.look(|target| target.physics = physics(gravity)),
             Action::Budget(secs) => self.look(|target| target.budget_secs = secs),

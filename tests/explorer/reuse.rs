@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use flipmap_engine::Keep;
 use flipmap_engine::mock::MockEngine;
-use flipmap_numbers::Theta;
+use flipmap_numbers::Exact;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::cache::TILE_BYTES;
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
@@ -167,7 +167,7 @@ fn mirror_images_are_computed_once() {
     let middle =
         ViewTarget { region: Region { half_rad: [2.5; 2], ..image.region }, ..target([0.0; 2], 4) };
     let middle =
-        ViewTarget { region: Region { center: [Theta::ZERO; 2], ..middle.region }, ..middle };
+        ViewTarget { region: Region { center: [Exact::ZERO; 2], ..middle.region }, ..middle };
     let mut engine = Ledger::default();
     explored(&middle, &mut engine);
     let cells: HashSet<Cell> = cells_of(&engine.jobs, &[1, 4]).into_iter().collect();

@@ -8,7 +8,7 @@ use egui::{Event, Modifiers, MouseWheelUnit, Pos2, TouchPhase, Vec2, pos2, vec2}
 use egui_kittest::Harness;
 use flipmap_engine::EngineKind;
 use flipmap_engine::choice::EngineRequest;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::Scene;
 use flipmap_window::folders::Folders;
 use flipmap_window::model::{AppModel, WindowOptions};
@@ -76,8 +76,8 @@ fn live<S>(harness: &mut Harness<'_, S>, moments: &[Moment]) {
 /// A pin that has flown to its end.
 fn flown() -> Pins {
     let mut pins = Pins::new(&Scene::default());
-    let start = [3.0, 3.0].map(Theta::from_f64);
-    let next = [start[0] + Theta::from_f64(1e-3), start[1]];
+    let start = [3.0, 3.0].map(Exact::from_f64);
+    let next = [start[0] + Exact::from_f64(1e-3), start[1]];
     pins.add(PinStart::at_rest([start, next]), None, || ()).unwrap();
     let begun = Instant::now();
     while pins.iter().any(|pin| pin.flight.record().ending.is_none()) {

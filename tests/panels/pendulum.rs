@@ -6,9 +6,9 @@ use egui::{Key, Role, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use flipmap_engine::Trust;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::{Outcome, Status};
-use flipmap_scene::{Build, Kind, Scene};
+use flipmap_scene::{Kind, PendulumSpec, Scene};
 use flipmap_window::panels::pendulum::{FRAME, pendulum_panel};
 use flipmap_window::pin_start::PinStart;
 use flipmap_window::pins::{PinAction, PinId, Pins};
@@ -22,10 +22,10 @@ struct Shown {
 /// Pins at the given starts, integrated to their ends and paused at their releases.
 fn flown(scene: &Scene, starts: &[[f64; 2]]) -> (Pins, Vec<PinId>) {
     let mut pins = Pins::new(scene);
-    let pixel = Theta::from_f64(1e-3);
+    let pixel = Exact::from_f64(1e-3);
     let ids: Vec<PinId> = starts
         .iter()
-        .map(|start| start.map(Theta::from_f64))
+        .map(|start| start.map(Exact::from_f64))
         .map(|start| PinStart::at_rest([start, [start[0] + pixel, start[1]]]))
         .map(|start| pins.add(start, None, || ()).unwrap())
         .collect();
@@ -198,7 +198,7 @@ fn of_a_forbidden_pixel_only_what_makes_sense_is_said() {
 #[test]
 fn a_pin_without_news_from_its_flight_is_shown_too() {
     let mut pins = Pins::new(&Scene::default());
-    let start = [[2.2, 1.4], [2.3, 1.4]].map(|start| start.map(Theta::from_f64));
+    let start = [[2.2, 1.4], [2.3, 1.4]].map(|start| start.map(Exact::from_f64));
     pins.add(PinStart::at_rest(start), None, || ()).unwrap();
     let shown = harness(pins, Theme::Light);
     shown.get_by_label("Pendulum A is being let go");
@@ -226,7 +226,7 @@ mod pictures {
     }
 
     pub(crate) fn bars_before_their_flip_look_as_they_should() {
-        let build = Build::new(Kind::Rods, [2.0, 0.5], [1.0, 0.7], 9.81);
+        let build = PendulumSpec::new(Kind::Rods, [2.0, 0.5], [1.0, 0.7], 9.81);
         let (mut pins, ids) = flown(&Scene { build, ..Scene::default() }, &[[2.6, -2.0]]);
         pins.tell(ids[0], (Outcome::flipped(20.0), Trust::Uncertain));
         pins.apply(PinAction::Scrub(0.8));

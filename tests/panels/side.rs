@@ -11,9 +11,10 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use flipmap_pendulum::Rule;
 use flipmap_render::output::Picture;
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 use flipmap_scene::{
-    Budget, Build, BuiltIn, Document, Kind, PictureTable, QuestionTable, Sampling, Scale, Scene,
+    Budget, BuiltIn, Document, Kind, PendulumSpec, PictureTable, QuestionSettings, Sampling, Scale,
+    Scene,
 };
 use flipmap_window::colour_cycle::ColourCycle;
 use flipmap_window::export::ExportStage;
@@ -139,13 +140,13 @@ fn the_scene_follows_what_is_pressed_and_typed() {
     type_over(&mut harness, "Gravity g", "1.62");
     type_over(&mut harness, "Budget", "60");
     let Scene { build, question, .. } = harness.state().state;
-    assert_eq!(build, Build::new(Kind::Rods, [1.0, 2.5], build.lengths_m(), 1.62));
+    assert_eq!(build, PendulumSpec::new(Kind::Rods, [1.0, 2.5], build.lengths_m(), 1.62));
     assert_eq!(
         question,
-        QuestionTable {
+        QuestionSettings {
             rule: Rule::Either,
             budget: Budget::secs(60.0),
-            ..QuestionTable::default()
+            ..QuestionSettings::default()
         }
     );
     assert_eq!(harness.state().asked.len(), 5, "one answer a change");
@@ -191,13 +192,13 @@ fn question_and_plane_are_chosen_with_what_belongs_to_them() {
     choose(&mut harness, "Question", "state");
     type_over(&mut harness, "At", "12.5");
     let question = harness.state().state.question;
-    assert_eq!((question.ask, question.at), (Ask::State, Some(12.5)));
+    assert_eq!((question.ask, question.at), (QuestionName::State, Some(12.5)));
     type_over(&mut harness, "Budget", "10");
     assert_eq!(harness.state().state.question.at, Some(10.0), "never beyond the budget");
     choose(&mut harness, "Question", "flip");
     type_over(&mut harness, "Flip number", "3");
     let question = harness.state().state.question;
-    assert_eq!((question.ask, question.at, question.count), (Ask::Flip, None, 3));
+    assert_eq!((question.ask, question.at, question.count), (QuestionName::Flip, None, 3));
     choose(&mut harness, "Plane", "first");
     type_over(&mut harness, "Fixed θ2", "2.5");
     type_over(&mut harness, "Fixed ω2", "-1");

@@ -6,12 +6,12 @@ use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_engine::{IntegratorConfig, Trust};
-use flipmap_numbers::{Fixed, Scalar, Theta};
+use flipmap_numbers::{Exact, Fixed, Scalar};
 use flipmap_pendulum::State;
 use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_render::tiles::{Renderer, Samples};
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Budget, Scene, View};
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ fn scene() -> Scene {
     let mut scene = Scene { view, ..Scene::default() };
     scene.question.budget = Budget { auto: true, ..Budget::default() };
     let mut scene = scene.checked().unwrap();
-    scene.question.ask = Ask::State;
+    scene.question.ask = QuestionName::State;
     scene
 }
 
@@ -57,7 +57,7 @@ fn orbit_of(scene: &Scene, k: u32) -> Orbit<Fixed<4>> {
     let pixel = scene.view.width_rad().to_f64() / f64::from(SIDE);
     let half = f64::from(SIDE) / 2.0;
     let [x, y] = [k % SIDE, k / SIDE].map(|at| f64::from(at) + 0.5);
-    let by = [x - half, half - y].map(|by| Theta::from_f64(by * pixel));
+    let by = [x - half, half - y].map(|by| Exact::from_f64(by * pixel));
     let center = scene.view.center_rad();
     let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<4>());
     Orbit::new(scene.build.pendulum_in(), State::rest(angle))
@@ -134,7 +134,7 @@ fn deep_states_are_those_of_pendulums_integrated_in_long_numbers() {
 #[test]
 fn deep_growth_is_that_of_tangents_along_motions_in_long_numbers() {
     let mut scene = scene();
-    scene.question.ask = Ask::Growth;
+    scene.question.ask = QuestionName::Growth;
     let last = scene.question.budget.secs;
     let some: Vec<usize> = (0..COUNT).step_by(5).collect();
     // While all swing together, and when they no longer do.
@@ -173,7 +173,7 @@ fn growth_after_a_short_time_is_right_however_narrow_the_view() {
     for (width, secs) in [("1e-12", 0.3), ("1e-12", 1.0), ("1e-6", 1.0), ("1e-4", 5.0)] {
         let view = View { center: center.clone(), width: width.to_string(), ..View::default() };
         let mut scene = Scene { view, ..Scene::default() };
-        scene.question.ask = Ask::Growth;
+        scene.question.ask = QuestionName::Growth;
         scene.question.budget = Budget { secs, ..Budget::default() };
         let samples = rendered(&scene, BALANCED, false);
         for k in (0..COUNT).step_by(11) {

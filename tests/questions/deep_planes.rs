@@ -8,7 +8,7 @@ use flipmap_numbers::{Angle, Fixed, Scalar};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Outcome, State, Status, oracle};
 use flipmap_render::tiles::{Renderer, Samples};
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Axis, Budget, Plane, PlaneKind, Scene, View};
 use rayon::prelude::*;
 
@@ -156,7 +156,7 @@ fn deep_states_of_thrown_pendulums_are_right() {
     let places = places();
     let (plane, _) = &places[0];
     let mut scene = scene(plane.clone(), [6.0, 4.0].map(Long::from_f64), 20.0);
-    scene.question.ask = Ask::State;
+    scene.question.ask = QuestionName::State;
     let samples = rendered(&scene, BALANCED, false);
     let truth = |k: usize| {
         let mut orbit = Orbit::new(scene.build.pendulum_in(), start_of(&scene, k));

@@ -6,8 +6,8 @@ use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::{Renderer, Samples};
-use flipmap_scene::question::Ask;
-use flipmap_scene::{Plane, PlaneKind, QuestionTable, Scene};
+use flipmap_scene::question::QuestionName;
+use flipmap_scene::{Plane, PlaneKind, QuestionSettings, Scene};
 use rayon::prelude::*;
 
 use crate::common::{gpu_engine, lesson};
@@ -25,7 +25,7 @@ fn flips_on_every_plane_are_the_gold_standards() {
     ];
     for (plane, width) in planes {
         for friction in [[0.0, 0.0], [0.1, 0.05]] {
-            let mut scene = scene(Ask::Flip, plane.clone(), width, 8.0);
+            let mut scene = scene(QuestionName::Flip, plane.clone(), width, 8.0);
             scene.build.friction = friction.map(Decimal::from);
             let share = share_of_right_flips(&scene, 14, &by_cpu(&scene, 14, BALANCED));
             assert!(share >= 0.99, "{:?} {friction:?}: {share}", scene.plane);
@@ -35,9 +35,9 @@ fn flips_on_every_plane_are_the_gold_standards() {
 
 #[test]
 fn checked_pixels_of_other_questions_and_planes_are_sure_or_marked() {
-    let mut swung = scene(Ask::Flip, plane("speeds", ["0", "0", "0", "0"]), "24", 20.0);
+    let mut swung = scene(QuestionName::Flip, plane("speeds", ["0", "0", "0", "0"]), "24", 20.0);
     swung.view.center = ["1".into(), "2".into()];
-    let state = scene(Ask::State, Plane::default(), "6.283185307179586", 20.0);
+    let state = scene(QuestionName::State, Plane::default(), "6.283185307179586", 20.0);
     for scene in [swung, state] {
         let engine = Box::new(CpuEngine::new(Some(2)).unwrap());
         let mut renderer = Renderer::of(engine, BALANCED, true, Some(2)).unwrap();
@@ -49,7 +49,7 @@ fn checked_pixels_of_other_questions_and_planes_are_sure_or_marked() {
             if samples.trust(k as usize) == flipmap_engine::Trust::Uncertain {
                 continue;
             }
-            if scene.question.ask == Ask::State {
+            if scene.question.ask == QuestionName::State {
                 let truth = true_state(&scene, start, 20.0);
                 let values = samples.values(k as usize);
                 let off =
@@ -66,10 +66,10 @@ fn checked_pixels_of_other_questions_and_planes_are_sure_or_marked() {
 
 #[test]
 fn the_bob_that_goes_first_is_the_one_whose_own_flip_comes_first() {
-    let scene = scene(Ask::First, Plane::default(), "6.283185307179586", 10.0);
+    let scene = scene(QuestionName::First, Plane::default(), "6.283185307179586", 10.0);
     let samples = by_cpu(&scene, 30, BALANCED);
     let flips = |rule| {
-        let question = QuestionTable { ask: Ask::Flip, rule, ..scene.question };
+        let question = QuestionSettings { ask: QuestionName::Flip, rule, ..scene.question };
         by_cpu(&Scene { question, ..scene.clone() }, 30, BALANCED)
     };
     let [first, second] =
@@ -91,7 +91,7 @@ fn the_bob_that_goes_first_is_the_one_whose_own_flip_comes_first() {
 
 #[test]
 fn every_flip_is_counted_by_every_method() {
-    let scene = scene(Ask::Flips, plane("speeds", ["2.5", "-1", "0", "0"]), "24", 6.0);
+    let scene = scene(QuestionName::Flips, plane("speeds", ["2.5", "-1", "0", "0"]), "24", 6.0);
     let side = 12;
     let truth: Vec<[f64; 4]> = (0..side * side)
         .into_par_iter()
@@ -113,7 +113,7 @@ fn every_flip_is_counted_by_every_method() {
 
 #[test]
 fn the_third_flip_is_found_by_every_method() {
-    let mut scene = scene(Ask::Flip, Plane::default(), "6.283185307179586", 8.0);
+    let mut scene = scene(QuestionName::Flip, Plane::default(), "6.283185307179586", 8.0);
     scene.question.count = 3;
     let side = 20;
     let truth: Vec<Option<f64>> = (0..side * side)
@@ -142,8 +142,8 @@ fn the_third_flip_is_found_by_every_method() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
 fn the_card_answers_as_the_processor_does() {
-    let state = scene(Ask::State, Plane::default(), "6.283185307179586", 4.0);
-    let swung = scene(Ask::State, plane("speeds", ["1", "-1", "0", "0"]), "12", 4.0);
+    let state = scene(QuestionName::State, Plane::default(), "6.283185307179586", 4.0);
+    let swung = scene(QuestionName::State, plane("speeds", ["1", "-1", "0", "0"]), "12", 4.0);
     for scene in [state, swung] {
         for config in [BALANCED, FAST, lesson(Precision::F64)] {
             let samples = rendered(&scene, 12, config, Box::new(gpu_engine()));
@@ -162,8 +162,8 @@ fn the_card_answers_as_the_processor_does() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
 fn the_card_counts_as_the_processor_does() {
-    let all = scene(Ask::Flips, plane("speeds", ["2.5", "-1", "0", "0"]), "24", 6.0);
-    let mut third = scene(Ask::Flip, Plane::default(), "6.283185307179586", 8.0);
+    let all = scene(QuestionName::Flips, plane("speeds", ["2.5", "-1", "0", "0"]), "24", 6.0);
+    let mut third = scene(QuestionName::Flip, Plane::default(), "6.283185307179586", 8.0);
     third.question.count = 3;
     for scene in [all, third] {
         for config in [BALANCED, FAST, lesson(Precision::F32), lesson(Precision::F64)] {
@@ -182,7 +182,8 @@ fn the_card_counts_as_the_processor_does() {
 
 #[test]
 fn two_bobs_that_pass_in_one_step_are_counted_once_each() {
-    let mut scene = scene(Ask::Flips, plane("speeds", ["3.135", "3.13", "0", "0"]), "0.2", 0.2);
+    let mut scene =
+        scene(QuestionName::Flips, plane("speeds", ["3.135", "3.13", "0", "0"]), "0.2", 0.2);
     scene.view.center = ["3", "3"].map(|speed| speed.parse().unwrap());
     for config in ALL_METHODS {
         let samples = by_cpu(&scene, 4, config);
@@ -197,7 +198,7 @@ fn two_bobs_that_pass_in_one_step_are_counted_once_each() {
 }
 
 fn scene_of_flips() -> Scene {
-    scene(Ask::Flip, plane("second", ["-2", "0", "4", "0"]), "9", 8.0)
+    scene(QuestionName::Flip, plane("second", ["-2", "0", "4", "0"]), "9", 8.0)
 }
 
 /// Rounding can put a bob that is exactly at the top on either side of it. When each side counted as a

@@ -3,13 +3,13 @@
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_engine::{
-    Ends, Engine, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, Trust,
+    Engine, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, Trust, WantedEnd,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{State, Status};
 use flipmap_render::tiles::{Renderer, Samples};
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Plane, PlaneKind, Scene};
 use rayon::prelude::*;
 
@@ -18,7 +18,7 @@ use crate::truth::*;
 
 #[test]
 fn growth_is_the_gold_standards_by_every_method() {
-    let scene = scene(Ask::Growth, plane("speeds", ["2", "-1", "0", "0"]), "8", 8.0);
+    let scene = scene(QuestionName::Growth, plane("speeds", ["2", "-1", "0", "0"]), "8", 8.0);
     let truth: Vec<f64> = (0..81u32)
         .into_par_iter()
         .map(|k| true_exponent(&scene, start(&scene, 9, k).unwrap(), 8.0))
@@ -44,7 +44,7 @@ fn growth_is_the_gold_standards_by_every_method() {
 #[test]
 fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
     let throw = plane("speeds", ["2", "-1", "0", "0"]);
-    let growth = scene(Ask::Growth, throw.clone(), "8", 12.0);
+    let growth = scene(QuestionName::Growth, throw.clone(), "8", 12.0);
     let by_dd = by_cpu(&growth, 3, DD);
     let by_f64 = by_cpu(&growth, 3, ALL_METHODS[2]);
     let error = |samples: &Samples, k: u32| {
@@ -54,7 +54,7 @@ fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
     let worst = |samples: &Samples| (0..9).map(|k| error(samples, k)).fold(0.0, f64::max);
     assert!(worst(&by_dd) < 1e-9, "{:e}", worst(&by_dd));
     assert!(worst(&by_f64) > worst(&by_dd), "f64 has fewer digits: {:e}", worst(&by_f64));
-    let returns = scene(Ask::Return, throw, "8", 6.0);
+    let returns = scene(QuestionName::Return, throw, "8", 6.0);
     let (fine, rough) = (by_cpu(&returns, 4, DD), by_cpu(&returns, 4, ALL_METHODS[2]));
     for k in 0..16 {
         let (a, b) = (fine.values(k), rough.values(k));
@@ -64,10 +64,10 @@ fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
     let engine = CpuEngine::new(Some(2)).unwrap();
     let job = Job {
         id: 0,
-        question: Question::from(&returns),
+        question: EventSpec::from(&returns),
         config: DD,
         starts: Starts::Rest(vec![[Dd::new(1.0); 2]]),
-        keep: Keep { ends: Ends::Return, states: true },
+        keep: Keep { ends: WantedEnd::Return, states: true },
     };
     let refused = { engine }.submit(job).unwrap_err().to_string();
     assert!(refused.contains("omit `state`"), "{refused}");
@@ -81,7 +81,7 @@ const DD: IntegratorConfig =
 #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
 fn the_card_computes_the_growth_that_the_processor_does() {
     for plane in [Plane::default(), plane("speeds", ["1", "-1", "0", "0"])] {
-        let scene = scene(Ask::Growth, plane, "6", 8.0);
+        let scene = scene(QuestionName::Growth, plane, "6", 8.0);
         for config in [BALANCED, FAST, lesson(Precision::F64), lesson(Precision::F32)] {
             let by_card = rendered(&scene, 12, config, Box::new(gpu_engine()));
             let by_cpu = by_cpu(&scene, 12, config);
@@ -100,7 +100,7 @@ fn the_card_computes_the_growth_that_the_processor_does() {
 #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
 fn the_card_finds_the_returns_that_the_processor_does() {
     for plane in [Plane::default(), plane("speeds", ["1", "-1", "0", "0"])] {
-        let scene = scene(Ask::Return, plane, "6", 5.0);
+        let scene = scene(QuestionName::Return, plane, "6", 5.0);
         for config in [BALANCED, FAST, lesson(Precision::F64), lesson(Precision::F32)] {
             let by_card = rendered(&scene, 12, config, Box::new(gpu_engine()));
             let by_cpu = by_cpu(&scene, 12, config);
@@ -123,7 +123,7 @@ fn the_card_finds_the_returns_that_the_processor_does() {
 #[test]
 #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
 fn pairs_of_floats_find_the_returns_of_f64() {
-    let scene = scene(Ask::Return, plane("speeds", ["1", "-1", "0", "0"]), "6", 3.0);
+    let scene = scene(QuestionName::Return, plane("speeds", ["1", "-1", "0", "0"]), "6", 3.0);
     let method = Method::Dopri5 { tolerance: 1e-10 };
     let by_pairs = IntegratorConfig { method, precision: Precision::Df32 };
     let by_card = rendered(&scene, 8, by_pairs, Box::new(gpu_engine()));
@@ -144,7 +144,7 @@ fn pairs_of_floats_find_the_returns_of_f64() {
 fn sure_exponents_and_returns_are_right_and_those_beyond_the_horizon_are_marked() {
     let plane = plane("speeds", ["2", "-1", "0", "0"]);
     let scene = |ask, secs| scene(ask, plane.clone(), "8", secs);
-    let growth = scene(Ask::Growth, 6.0);
+    let growth = scene(QuestionName::Growth, 6.0);
     let (samples, uncertain) = checked(&growth, 9);
     assert!(uncertain < 30, "{uncertain} of 81 are uncertain");
     let wrong = (0..81u32).into_par_iter().filter(|&k| {
@@ -153,11 +153,11 @@ fn sure_exponents_and_returns_are_right_and_those_beyond_the_horizon_are_marked(
         is_sure && (samples.values(k as usize)[0] / truth() - 1.0).abs() > 0.01
     });
     assert_eq!(wrong.count(), 0);
-    let (_, beyond) = checked(&scene(Ask::Growth, 120.0), 9);
+    let (_, beyond) = checked(&scene(QuestionName::Growth, 120.0), 9);
     assert!(beyond > 40, "only {beyond} of 81 are marked after 120 s");
 
     // What is sure agrees with another run of the same start.
-    let returns = scene(Ask::Return, 6.0);
+    let returns = scene(QuestionName::Return, 6.0);
     let (samples, uncertain) = checked(&returns, 9);
     assert!(uncertain < 30, "{uncertain} of 81 are uncertain");
     let finer = by_cpu(&returns, 9, ALL_METHODS[0]);
@@ -179,11 +179,12 @@ fn checked(scene: &Scene, side: u32) -> (Samples, u64) {
 
 #[test]
 fn a_periodic_orbit_returns_to_its_start_and_others_do_not() {
-    let build = flipmap_scene::Build::new(flipmap_scene::Kind::Points, [1.0; 2], [1.0; 2], 1.0);
+    let build =
+        flipmap_scene::PendulumSpec::new(flipmap_scene::Kind::Points, [1.0; 2], [1.0; 2], 1.0);
     let orbits = [(-0.5, -1.2448609709185, 3.704_774_545), (0.5, -1.627044959203, 2.564_362_225)];
     for (energy, p2, secs) in orbits {
         let plane = Plane { kind: PlaneKind::Section, energy, ..Plane::default() };
-        let mut scene = scene(Ask::Return, plane, "1e-9", 4.0);
+        let mut scene = scene(QuestionName::Return, plane, "1e-9", 4.0);
         scene.build = build;
         scene.view.center = ["0".to_string(), format!("{p2}")];
         for config in &ALL_METHODS[..2] {
@@ -199,7 +200,7 @@ fn a_periodic_orbit_returns_to_its_start_and_others_do_not() {
 
 #[test]
 fn the_nearest_return_is_the_least_distance_along_the_orbit() {
-    let scene = scene(Ask::Return, plane("speeds", ["2", "1", "0", "0"]), "10", 5.0);
+    let scene = scene(QuestionName::Return, plane("speeds", ["2", "1", "0", "0"]), "10", 5.0);
     let coarse = [FAST, lesson(Precision::F64), lesson(Precision::F32)];
     let mut by_config: Vec<(Samples, f64)> =
         coarse.iter().map(|config| (by_cpu(&scene, 8, *config), 5e-3)).collect();

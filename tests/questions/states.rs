@@ -9,14 +9,14 @@ use flipmap_pendulum::{State, Status};
 use flipmap_render::tiles::moments::Moments;
 use flipmap_render::tiles::{Renderer, Samples};
 use flipmap_scene::Plane;
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 
 use crate::common::{gpu_engine, lesson};
 use crate::truth::*;
 
 #[test]
 fn states_after_12_s_are_the_gold_standards() {
-    let scene = scene(Ask::State, Plane::default(), "6.283185307179586", 12.0);
+    let scene = scene(QuestionName::State, Plane::default(), "6.283185307179586", 12.0);
     // Some 1,100 of these starts are not forbidden.
     let samples = by_cpu(&scene, 40, BALANCED);
     assert_eq!(samples.channels(), 6);
@@ -28,7 +28,8 @@ fn states_after_12_s_are_the_gold_standards() {
 
 #[test]
 fn a_state_lies_at_its_time_and_not_at_the_end_of_the_budget() {
-    let mut scene = scene(Ask::State, plane("speeds", ["0.4", "-2", "0", "0"]), "14", 30.0);
+    let mut scene =
+        scene(QuestionName::State, plane("speeds", ["0.4", "-2", "0", "0"]), "14", 30.0);
     scene.question.at = Some(2.5);
     let samples = by_cpu(&scene, 12, BALANCED);
     assert_eq!(share_of_right_states(&scene, 12, &samples, 1e-7), 1.0);
@@ -40,14 +41,14 @@ fn a_state_lies_at_its_time_and_not_at_the_end_of_the_budget() {
 #[test]
 fn a_pendulum_thrown_back_returns_to_where_it_was_thrown() {
     let origin = ["0.7", "-0.4", "0", "0"];
-    let there = scene(Ask::State, plane("speeds", origin), "8", 4.0);
+    let there = scene(QuestionName::State, plane("speeds", origin), "8", 4.0);
     let samples = by_cpu(&there, 8, BALANCED);
     let mut most = 0f64;
     for k in 0..64 {
         let thrown = start(&there, 8, k).unwrap();
         let [theta1, theta2, omega1, omega2, ..] = samples.values(k as usize) else { panic!() };
         let mut back = scene(
-            Ask::State,
+            QuestionName::State,
             plane("speeds", [&theta1.to_string(), &theta2.to_string(), "0", "0"]),
             "1e-9",
             4.0,
@@ -68,7 +69,7 @@ fn normal_modes_swing_as_they_must() {
     // ω² = (g/l)(2 ± √2), with θ2 = ∓√2 θ1; errors of the linear theory are of third order.
     for sign in [-1.0, 1.0] {
         let amplitude = 1e-4;
-        let mut scene = scene(Ask::State, Plane::default(), "1e-12", 3.0);
+        let mut scene = scene(QuestionName::State, Plane::default(), "1e-12", 3.0);
         let theta2 = -sign * 2f64.sqrt() * amplitude;
         scene.view.center = [amplitude.to_string(), theta2.to_string()];
         let samples = by_cpu(&scene, 1, BALANCED);
@@ -85,7 +86,7 @@ fn a_film_of_states_passes_through_the_states_of_stills() {
     let (fast, coarse) = (plane("speeds", ["2", "-1", "0", "0"]), lesson(Precision::F64));
     for (plane, config) in [(Plane::default(), BALANCED), (fast.clone(), BALANCED), (fast, coarse)]
     {
-        let mut scene = scene(Ask::State, plane, "62", 30.0);
+        let mut scene = scene(QuestionName::State, plane, "62", 30.0);
         let mut engine = CpuEngine::new(Some(2)).unwrap();
         let mut moments = Moments::new(&scene, [15, 11], config, 40);
         for at in [0.0, 0.3, 2.5, 2.5, 4.0] {
@@ -107,7 +108,7 @@ fn a_film_of_states_passes_through_the_states_of_stills() {
 
 #[test]
 fn a_film_of_any_question_about_a_time_passes_through_its_stills() {
-    for ask in [Ask::Flips, Ask::Growth, Ask::Return] {
+    for ask in [QuestionName::Flips, QuestionName::Growth, QuestionName::Return] {
         for config in [BALANCED, FAST, lesson(Precision::F64)] {
             let mut scene = scene(ask, plane("speeds", ["2", "-1", "0", "0"]), "20", 30.0);
             let mut engine = CpuEngine::new(Some(2)).unwrap();
@@ -132,7 +133,7 @@ fn a_film_of_any_question_about_a_time_passes_through_its_stills() {
 
 #[test]
 fn friction_slows_every_method_alike() {
-    let mut scene = scene(Ask::State, plane("speeds", ["2.5", "-1", "0", "0"]), "20", 6.0);
+    let mut scene = scene(QuestionName::State, plane("speeds", ["2.5", "-1", "0", "0"]), "20", 6.0);
     scene.build.friction = [0.2, 0.1].map(Decimal::from);
     for config in ALL_METHODS {
         let share = share_of_right_states(&scene, 10, &by_cpu(&scene, 10, config), 1e-3);
@@ -148,7 +149,12 @@ fn friction_slows_every_method_alike() {
 /// Checks that a hundred times the budget costs an engine next to nothing where friction has brought all
 /// pendulums to rest, and changes no answer. How far it goes on depends on the length of slices, but no
 /// more than `factor`.
-fn rests(ask: Ask, config: IntegratorConfig, factor: f64, engine: &dyn Fn() -> Box<dyn Engine>) {
+fn rests(
+    ask: QuestionName,
+    config: IntegratorConfig,
+    factor: f64,
+    engine: &dyn Fn() -> Box<dyn Engine>,
+) {
     let spent = |secs: f64| {
         let plane = plane("speeds", ["1", "-1", "0", "0"]);
         let mut scene = scene(ask, plane, "10", secs);
@@ -166,7 +172,7 @@ fn rests(ask: Ask, config: IntegratorConfig, factor: f64, engine: &dyn Fn() -> B
 #[test]
 fn what_friction_has_brought_to_rest_is_done_by_every_method() {
     for config in ALL_METHODS {
-        for ask in [Ask::Flip, Ask::Flips, Ask::First] {
+        for ask in [QuestionName::Flip, QuestionName::Flips, QuestionName::First] {
             rests(ask, config, 1.5, &|| Box::new(CpuEngine::new(Some(2)).unwrap()));
         }
     }
@@ -176,7 +182,7 @@ fn what_friction_has_brought_to_rest_is_done_by_every_method() {
 #[test]
 fn what_friction_has_brought_to_rest_is_done_on_a_card() {
     for config in [lesson(Precision::F32), FAST, BALANCED] {
-        for ask in [Ask::Flip, Ask::Flips] {
+        for ask in [QuestionName::Flip, QuestionName::Flips] {
             // A slice of a busy machine lasts for many budgets.
             rests(ask, config, 30.0, &|| Box::new(gpu_engine()));
         }
@@ -186,7 +192,7 @@ fn what_friction_has_brought_to_rest_is_done_on_a_card() {
 #[test]
 fn what_friction_takes_is_what_energy_loses() {
     let friction = [0.2, 0.1].map(Decimal::from);
-    let pendulum = flipmap_scene::Build { friction, ..Default::default() }.pendulum();
+    let pendulum = flipmap_scene::PendulumSpec { friction, ..Default::default() }.pendulum();
     let [b1, b2] = pendulum.friction.unwrap();
     let begin = State { angle: [2.5, -1.0], speed: [3.0, 8.0] };
     let mut orbit = Orbit::new(pendulum, begin);

@@ -12,12 +12,13 @@ use flipmap_pendulum::passes::{Pass, passes_until};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Launch, Outcome, State, Status};
 use flipmap_render::tiles::{Renderer, Samples};
-use flipmap_scene::question::Ask;
-use flipmap_scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionTable, Scene, View};
+use flipmap_scene::question::QuestionName;
+use flipmap_scene::{Budget, Fate, Grid, Plane, PlaneKind, QuestionSettings, Scene, View};
 use rayon::prelude::*;
 
-pub(crate) fn scene(ask: Ask, plane: Plane, width: &str, secs: f64) -> Scene {
-    let question = QuestionTable { ask, budget: Budget::secs(secs), ..QuestionTable::default() };
+pub(crate) fn scene(ask: QuestionName, plane: Plane, width: &str, secs: f64) -> Scene {
+    let question =
+        QuestionSettings { ask, budget: Budget::secs(secs), ..QuestionSettings::default() };
     let view = View { width: width.to_string(), ..View::default() };
     Scene { question, plane, view, ..Scene::default() }.checked().unwrap()
 }

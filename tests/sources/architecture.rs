@@ -14,12 +14,12 @@ use flipmap_engine::pace::Pace;
 use flipmap_engine::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants,
 };
-use flipmap_engine::{Ends, IntegratorConfig, Method, Precision, Question, Trust};
+use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, Trust, WantedEnd};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Rule, Status};
 use flipmap_render::output::sha256;
 use flipmap_scene::lattice::SIDE;
-use flipmap_scene::{Build, Kind};
+use flipmap_scene::{Kind, PendulumSpec};
 use flipmap_shaders::{KEPT, KERNEL_PARTS, PICTURE};
 use flipmap_window::canvas::atlas::SLOTS_ALONG;
 use flipmap_window::canvas::pipeline::{self, Uniforms};
@@ -104,14 +104,15 @@ fn every_picture_of_the_pages_is_there_and_made_by_the_gallery() {
     assert!(!made("docs/other.png") && !made("docs/lab/other.png"), "the test can fail");
 }
 
-fn question(build: Build, rule: Rule, passes: u32) -> Question {
-    Question { build, rule, budget_secs: 30.0, passes }
+fn question(build: PendulumSpec, rule: Rule, passes: u32) -> EventSpec {
+    EventSpec { build, rule, budget_secs: 30.0, passes }
 }
 
 /// One design of every kind of kernel.
 fn designs() -> Vec<Design> {
     let mut designs = Vec::new();
-    let builds = [Build::default(), Build::new(Kind::Points, [1.0, 2.0], [1.0; 2], 9.81)];
+    let builds =
+        [PendulumSpec::default(), PendulumSpec::new(Kind::Points, [1.0, 2.0], [1.0; 2], 9.81)];
     for (method, precision) in [
         (Method::LESSON, Precision::F32),
         (Method::LESSON, Precision::F64),
@@ -134,7 +135,7 @@ fn designs() -> Vec<Design> {
                     };
                     designs.extend(builds.map(made));
                     if rule == Rule::Neither && method.name() != "taylor" {
-                        for ends in [Ends::Growth, Ends::Return] {
+                        for ends in [WantedEnd::Growth, WantedEnd::Return] {
                             designs.extend(builds.map(|build| made(build).computing(ends)));
                         }
                     }
@@ -277,8 +278,8 @@ fn no_shader_file_has_status_codes_of_its_own() {
 /// those that docs/reports has measured. A change that is meant is measured, and put down here.
 #[test]
 fn the_kernels_of_home_are_those_that_were_measured() {
-    let home = question(Build::default(), Rule::Second, 1);
-    let digest = |config: IntegratorConfig, question: &Question| {
+    let home = question(PendulumSpec::default(), Rule::Second, 1);
+    let digest = |config: IntegratorConfig, question: &EventSpec| {
         let pace = Pace::new(question, &config).unwrap();
         let design = Design::general(&config, true, true).unwrap().specialised(question, &pace);
         let text = design.text();
@@ -290,14 +291,14 @@ fn the_kernels_of_home_are_those_that_were_measured() {
         ["6824f568f3be2513", "4daa22304b95e5e9", "ac01fbd6949c5fed"]
     );
     let friction = [0.1, 0.1].map(Decimal::from);
-    let slowed = question(Build { friction, ..Build::default() }, Rule::Second, 1);
+    let slowed = question(PendulumSpec { friction, ..PendulumSpec::default() }, Rule::Second, 1);
     assert_ne!(digest(BALANCED, &slowed), digest(BALANCED, &home), "the test can fail");
 }
 
 #[test]
 fn the_home_kernel_holds_only_what_it_needs() {
     let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
-    let home = question(Build::default(), Rule::Second, 1);
+    let home = question(PendulumSpec::default(), Rule::Second, 1);
     let pace = Pace::new(&home, &config).unwrap();
     let text = Design::general(&config, true, true).unwrap().specialised(&home, &pace).text();
     // The kernel has no other rule, no pendulum data, and no general directions in the stages.

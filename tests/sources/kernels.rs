@@ -11,9 +11,9 @@ use flipmap_engine::gpu::packing::Packing;
 use flipmap_engine::gpu::pairs::Pairs;
 use flipmap_engine::pace::Pace;
 use flipmap_engine::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
-use flipmap_engine::{Ends, IntegratorConfig, Method, Precision, Question};
+use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, WantedEnd};
 use flipmap_pendulum::Rule;
-use flipmap_scene::Build;
+use flipmap_scene::PendulumSpec;
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -41,7 +41,8 @@ fn designs(subgroups: bool) -> Vec<(String, Design)> {
         let Ok(general) = Design::general(&config, true, subgroups) else { continue };
         let general = general.with_pairs(pairs);
         let made = |rule, passes| {
-            let question = Question { build: Build::default(), rule, budget_secs: 30.0, passes };
+            let question =
+                EventSpec { build: PendulumSpec::default(), rule, budget_secs: 30.0, passes };
             general.specialised(&question, &Pace::new(&question, &config).unwrap())
         };
         let questions = [
@@ -50,8 +51,8 @@ fn designs(subgroups: bool) -> Vec<(String, Design)> {
             ("either", made(Rule::Either, 1)),
             ("passes", made(Rule::Second, 3)),
             ("turns", made(Rule::Neither, 1)),
-            ("growth", made(Rule::Neither, 1).computing(Ends::Growth)),
-            ("return", made(Rule::Neither, 1).computing(Ends::Return)),
+            ("growth", made(Rule::Neither, 1).computing(WantedEnd::Growth)),
+            ("return", made(Rule::Neither, 1).computing(WantedEnd::Return)),
         ];
         let name = |question| format!("{method}-{number}-{question}");
         // Expansions carry nothing along.

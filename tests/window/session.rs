@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::{Scene, location};
 use image::RgbImage;
 use rustix::process::{Pid, Signal, kill_process};
@@ -74,7 +74,7 @@ impl Told {
     }
 
     /// Centre of the view, rad.
-    pub(crate) fn center_rad(&self) -> [Theta; 2] {
+    pub(crate) fn center_rad(&self) -> [Exact; 2] {
         self.scene().view.center_rad()
     }
 
@@ -107,7 +107,7 @@ impl Told {
     pub(crate) fn angle_at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [width, height] = self.map_px();
         let pixel_rad = self.width_rad() / width;
-        let center = self.center_rad().map(Theta::to_f64);
+        let center = self.center_rad().map(Exact::to_f64);
         [center[0] + (x - width / 2.0) * pixel_rad, center[1] - (y - height / 2.0) * pixel_rad]
     }
 }

@@ -311,10 +311,10 @@ mod tests {
     use super::*;
     use crate::choice::EngineRequest;
     use crate::mock::MockEngine;
-    use crate::{Keep, Method, Precision, Question, Starts};
+    use crate::{EventSpec, Keep, Method, Precision, Starts};
     use flipmap_numbers::Dd;
     use flipmap_pendulum::Rule;
-    use flipmap_scene::Build;
+    use flipmap_scene::PendulumSpec;
 
     fn chosen(engine: MockEngine) -> Result<Chosen, ChoiceError> {
         let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
@@ -331,8 +331,8 @@ mod tests {
     fn job(id: u64) -> Job {
         Job {
             id,
-            question: Question {
-                build: Build::default(),
+            question: EventSpec {
+                build: PendulumSpec::default(),
                 rule: Rule::Second,
                 budget_secs: 30.0,
                 passes: 1,

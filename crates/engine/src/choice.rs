@@ -10,9 +10,9 @@ use super::level::FINEST;
 use super::profile::{Profile, ProfileRow};
 use super::threads::threads_beside;
 use super::{
-    Accuracy, Ends, Engine, EngineError, EngineKind, IntegratorConfig, Precision, selfcheck,
+    Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, WantedEnd, selfcheck,
 };
-use flipmap_scene::QuestionTable;
+use flipmap_scene::QuestionSettings;
 
 /// A user's request for an engine.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,7 +26,7 @@ pub struct EngineRequest {
     /// The accuracy level or the configuration to compute with.
     pub setting: IntegrationSetting,
     /// The ends that the configuration has to compute, if any configuration of the level can.
-    pub ends: Ends,
+    pub ends: WantedEnd,
     /// True if answers will be checked at levels other than `exact`, too (see [`EngineRequest::verifies`]).
     pub verify: bool,
     /// Settings of an adapter that change no answer.
@@ -40,8 +40,8 @@ impl EngineRequest {
     /// returns this is the processor unless another engine is named, because engines are not compared
     /// for these.
     #[must_use]
-    pub fn answering(self, question: &QuestionTable) -> Self {
-        let ends = Ends::from(question.ask.kind().needs);
+    pub fn answering(self, question: &QuestionSettings) -> Self {
+        let ends = WantedEnd::from(question.ask.kind().needs);
         let is_named = self.kind.is_some() || self.adapter.is_some();
         let kind = if ends.are_carried() && !is_named { Some(EngineKind::Cpu) } else { self.kind };
         EngineRequest { kind, ends, ..self }
@@ -79,7 +79,7 @@ impl Default for EngineRequest {
             adapter: None,
             threads: None,
             setting,
-            ends: Ends::None,
+            ends: WantedEnd::None,
             verify: false,
             tuning: GpuTuning::default(),
             own_thread: true,
@@ -340,26 +340,26 @@ pub fn open_checked(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_scene::question::Ask;
+    use flipmap_scene::question::QuestionName;
 
     #[test]
     fn a_card_answers_in_a_precision_that_can() {
         let request = |ask| {
-            let question = QuestionTable { ask, ..QuestionTable::default() };
+            let question = QuestionSettings { ask, ..QuestionSettings::default() };
             let kind = Some(EngineKind::Gpu);
             EngineRequest { kind, ..EngineRequest::default() }.answering(&question)
         };
-        assert_eq!(request(Ask::Flip).configs(), Accuracy::Balanced.configs());
-        for ask in [Ask::Growth, Ask::Return] {
+        assert_eq!(request(QuestionName::Flip).configs(), Accuracy::Balanced.configs());
+        for ask in [QuestionName::Growth, QuestionName::Return] {
             assert_eq!(request(ask).kind, Some(EngineKind::Gpu));
         }
-        assert_eq!(request(Ask::Return).configs(), Accuracy::Balanced.configs());
-        assert_eq!(request(Ask::Growth).configs(), [Accuracy::Balanced.configs()[0]]);
+        assert_eq!(request(QuestionName::Return).configs(), Accuracy::Balanced.configs());
+        assert_eq!(request(QuestionName::Growth).configs(), [Accuracy::Balanced.configs()[0]]);
         // A window that showed flips in pairs of f32 needs another engine for growth.
         for config in Accuracy::Balanced.configs() {
             let is_first = config == Accuracy::Balanced.configs()[0];
-            assert_eq!(request(Ask::Growth).outgrows(&config), !is_first);
-            assert!(!request(Ask::Flip).outgrows(&config));
+            assert_eq!(request(QuestionName::Growth).outgrows(&config), !is_first);
+            assert!(!request(QuestionName::Flip).outgrows(&config));
         }
     }
 

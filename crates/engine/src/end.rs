@@ -7,7 +7,7 @@ use flipmap_pendulum::phase::Phase;
 /// The state in which a pendulum's integration ended: at its flip, or at the end of the budget;
 /// reduced units.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
+pub struct FinalState {
     /// Time since the release.
     pub time: f64,
     /// Unit vectors along the rods, and momenta.
@@ -25,9 +25,9 @@ pub struct End {
     pub gathered: Accumulators,
 }
 
-impl End {
+impl FinalState {
     /// The end of a pendulum that has not moved.
-    pub const NOWHERE: End = End {
+    pub const NOWHERE: FinalState = FinalState {
         time: 0.0,
         phase: [0.0; 6],
         clearance: crossing::FAR,

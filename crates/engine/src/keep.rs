@@ -1,7 +1,7 @@
 //! The states that a job returns along with its outcomes.
 
 #[cfg(doc)]
-use super::End;
+use super::FinalState;
 use super::{EngineError, IntegratorConfig, Method, Precision};
 use flipmap_scene::question::Needs;
 
@@ -9,15 +9,15 @@ use flipmap_scene::question::Needs;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Keep {
     /// The ends of all pendulums.
-    pub ends: Ends,
+    pub ends: WantedEnd,
     /// True for the states of pendulums unflipped at the end of the budget, so that they can be
     /// continued.
     pub states: bool,
 }
 
-/// The ends of pendulums (see [`End`]) that a job returns.
+/// The ends of pendulums (see [`FinalState`]) that a job returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Ends {
+pub enum WantedEnd {
     /// No ends.
     #[default]
     None,
@@ -31,11 +31,11 @@ pub enum Ends {
 
 impl Keep {
     /// No states.
-    pub const NOTHING: Keep = Keep { ends: Ends::None, states: false };
+    pub const NOTHING: Keep = Keep { ends: WantedEnd::None, states: false };
     /// The states of pendulums unflipped at the end of the budget.
-    pub const STATES: Keep = Keep { ends: Ends::None, states: true };
+    pub const STATES: Keep = Keep { ends: WantedEnd::None, states: true };
     /// The end of each pendulum.
-    pub const ENDS: Keep = Keep { ends: Ends::Plain, states: false };
+    pub const ENDS: Keep = Keep { ends: WantedEnd::Plain, states: false };
 
     /// Returns an error if an integrator config cannot compute what is kept.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
@@ -48,19 +48,19 @@ impl Keep {
     }
 }
 
-impl Ends {
+impl WantedEnd {
     /// Returns true if pendulums carry numbers along for them (see [`super::Carried`]).
     pub fn are_carried(self) -> bool {
-        matches!(self, Ends::Growth | Ends::Return)
+        matches!(self, WantedEnd::Growth | WantedEnd::Return)
     }
 
     /// Returns an error if an integrator config cannot compute them.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
         let method = config.method;
         let is_eighth = matches!(method, Method::Dop853 { .. });
-        let why = if self == Ends::Return && matches!(method, Method::Extrapolation { .. }) {
+        let why = if self == WantedEnd::Return && matches!(method, Method::Extrapolation { .. }) {
             "returns are not computed by midpoint rules"
-        } else if self == Ends::Growth && is_eighth && config.precision == Precision::Df32 {
+        } else if self == WantedEnd::Growth && is_eighth && config.precision == Precision::Df32 {
             // Its kernel takes more than ten minutes to compile.
             "growth in df32 is computed by `method` dopri5"
         } else {
@@ -70,13 +70,13 @@ impl Ends {
     }
 }
 
-impl From<Needs> for Ends {
-    fn from(needs: Needs) -> Ends {
+impl From<Needs> for WantedEnd {
+    fn from(needs: Needs) -> WantedEnd {
         match needs {
-            Needs::Outcome => Ends::None,
-            Needs::End => Ends::Plain,
-            Needs::Growth => Ends::Growth,
-            Needs::Return => Ends::Return,
+            Needs::Outcome => WantedEnd::None,
+            Needs::End => WantedEnd::Plain,
+            Needs::Growth => WantedEnd::Growth,
+            Needs::Return => WantedEnd::Return,
         }
     }
 }

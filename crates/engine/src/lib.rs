@@ -1,6 +1,6 @@
 //! Engines: jobs of pendulum starts go in, their outcomes come out.
 //!
-//! An [`Engine`] knows nothing of pictures. It takes starts and a [`Question`] and answers with one
+//! An [`Engine`] knows nothing of pictures. It takes starts and a [`EventSpec`] and answers with one
 //! outcome per start, in the same order, however it arranges the work to be fast. Four lifetimes
 //! nest here: `Gpu` (a device, as long as the process), `Kernel` (a compiled `Design`), `Slot` (the
 //! buffers of one job in flight) and the job itself, which is plain data.
@@ -48,30 +48,30 @@ use std::time::Instant;
 pub use cells::Cells;
 
 pub use depth::DepthStats;
-pub use end::End;
-use flipmap_numbers::{Dd, Scalar, Theta};
+pub use end::FinalState;
+use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
-use flipmap_scene::{Build, Scene};
+use flipmap_scene::{PendulumSpec, Scene};
 pub(crate) use gpu::GpuStats;
 pub use gpu::GpuTuning;
 pub(crate) use integrator_state::Carried;
 pub use integrator_state::{IntegratorState, NUMBERS};
-pub use keep::{Ends, Keep};
+pub use keep::{Keep, WantedEnd};
 pub use kind::EngineKind;
 pub use level::Accuracy;
 pub use method::{Method, Precision};
 pub use one_job::run_job;
 use pace::{Adaptive, Pace};
-pub use starts::{Deep, Leaf, Onset, StartList, Starts, Upright};
+pub use starts::{Deep, Leaf, Onset, Separable, StartList, Starts};
 pub(crate) use starts::{Moving, MovingStarts};
 pub use trust::Trust;
 
 /// The question that a job asks about each of its starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Question {
+pub struct EventSpec {
     /// The pendulum; gravity must pull.
-    pub build: Build,
+    pub build: PendulumSpec,
     /// The rule that says which bob is watched.
     pub rule: Rule,
     /// Simulated seconds a start may use.
@@ -80,10 +80,10 @@ pub struct Question {
     pub passes: u32,
 }
 
-impl From<&Scene> for Question {
+impl From<&Scene> for EventSpec {
     /// The question of a checked scene.
     fn from(scene: &Scene) -> Self {
-        Question {
+        EventSpec {
             build: scene.build,
             rule: scene.question.watched(),
             budget_secs: scene.question.end_secs(),
@@ -92,7 +92,7 @@ impl From<&Scene> for Question {
     }
 }
 
-impl Question {
+impl EventSpec {
     /// The pendulum in reduced units, in which C = Q = 1, to the precision of the number type, and
     /// the unit of time in s.
     pub fn reduced_in<T: Scalar>(&self) -> (Pendulum<T>, T) {
@@ -106,10 +106,10 @@ impl Question {
     }
 
     /// The first moments of launches, for passes that answers with such ends tell or count.
-    pub(crate) fn opening(&self, ends: Ends) -> Opening {
-        let (pendulum, unit_secs) = self.reduced_in::<Theta>();
+    pub(crate) fn opening(&self, ends: WantedEnd) -> Opening {
+        let (pendulum, unit_secs) = self.reduced_in::<Exact>();
         let bobs = match self.rule {
-            Rule::Neither if ends == Ends::Plain => Rule::Either.watched(),
+            Rule::Neither if ends == WantedEnd::Plain => Rule::Either.watched(),
             rule => rule.watched(),
         };
         Opening::new(&pendulum, bobs, self.budget_secs / unit_secs.to_f64())
@@ -145,7 +145,7 @@ pub struct Job {
     /// Identifier chosen by the submitter.
     pub id: u64,
     /// The question to answer for each start.
-    pub question: Question,
+    pub question: EventSpec,
     /// The method and the precision.
     pub config: IntegratorConfig,
     /// The states in which the pendulums begin.
@@ -191,7 +191,7 @@ pub struct JobResult {
     /// Index and state of each start still unflipped, if they were to be kept.
     pub unfinished: Vec<(usize, IntegratorState)>,
     /// The end of each start, if it was to be kept.
-    pub ends: Vec<End>,
+    pub ends: Vec<FinalState>,
     /// Trust in each outcome; empty if nothing was checked.
     pub trusts: Vec<Trust>,
     /// Work done for the job.

@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 use std::sync::mpsc::Sender;
 
 use super::{
-    Effort, End, Ends, Engine, EngineError, EngineKind, IntegratorState, Job, JobResult, Leaf,
-    Moving, NUMBERS,
+    Effort, Engine, EngineError, EngineKind, FinalState, IntegratorState, Job, JobResult, Leaf,
+    Moving, NUMBERS, WantedEnd,
 };
-use super::{IntegratorConfig, Onset, Question, Starts, Wait};
+use super::{EventSpec, IntegratorConfig, Onset, Starts, Wait};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::lattice::side_rad;
@@ -52,7 +52,7 @@ impl MockEngine {
     /// The answer to a start: an early flip where |θ2| ≤ 1, otherwise one after more than 40 s, at
     /// a time that identifies the start and its pendulum. As with a real pendulum, the mirror image
     /// has the same answer.
-    pub fn answer(question: &Question, angle: [Dd; 2]) -> Outcome {
+    pub fn answer(question: &EventSpec, angle: [Dd; 2]) -> Outcome {
         let [theta1, theta2] = angle.map(|theta| theta.hi);
         let along = (theta1 + 0.01 * theta2).abs();
         let home_secs = if theta2.abs() > 1.0 {
@@ -75,7 +75,7 @@ impl MockEngine {
     }
 
     /// The state of a start that did not flip within the question's budget.
-    fn pause(question: &Question, angle: [Dd; 2]) -> IntegratorState {
+    fn pause(question: &EventSpec, angle: [Dd; 2]) -> IntegratorState {
         let mut numbers = [0.0; NUMBERS];
         let [theta1, theta2] = angle;
         let known = [question.budget_secs, question.build.gravity.value()];
@@ -100,7 +100,7 @@ impl MockEngine {
     }
 
     /// The start that a saved state belongs to; refused where an engine could not continue it.
-    fn resumed(question: &Question, state: &IntegratorState) -> Result<[Dd; 2], EngineError> {
+    fn resumed(question: &EventSpec, state: &IntegratorState) -> Result<[Dd; 2], EngineError> {
         let [budget_secs, q, hi1, lo1, hi2, lo2, ..] = state.numbers;
         if q != question.build.gravity.value() || budget_secs >= question.budget_secs {
             let text = format!("{q} J after {budget_secs} s is not continued by {question:?}");
@@ -146,9 +146,9 @@ impl Engine for MockEngine {
             .map(|k| (k, Self::pause(&question, angles[k])))
             .collect();
         let effort = Effort { rhs_evaluations: angles.len() as u64, ..Effort::default() };
-        let end = |outcome: &Outcome| End { time: outcome.time, ..End::NOWHERE };
-        let ended = outcomes.iter().filter(|_| keep.ends == Ends::Plain);
-        let ends: Vec<End> = ended.map(end).collect();
+        let end = |outcome: &Outcome| FinalState { time: outcome.time, ..FinalState::NOWHERE };
+        let ended = outcomes.iter().filter(|_| keep.ends == WantedEnd::Plain);
+        let ends: Vec<FinalState> = ended.map(end).collect();
         Ok(vec![JobResult { id, outcomes, unfinished, ends, effort, ..JobResult::default() }])
     }
 

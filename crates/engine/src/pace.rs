@@ -1,7 +1,7 @@
 //! The steps over the budget of a job: what a method needs to know before the job can run.
 
 use super::method::COLUMNS;
-use super::{EngineError, IntegratorConfig, Method, Precision, Question};
+use super::{EngineError, EventSpec, IntegratorConfig, Method, Precision};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::control::Control;
 use flipmap_pendulum::embedded::{DOP853_ORDER, DOPRI5_ORDER};
@@ -18,7 +18,7 @@ pub enum Pace {
 
 impl Pace {
     /// The pace of a configuration over a question's budget.
-    pub fn new(question: &Question, config: &IntegratorConfig) -> Result<Self, EngineError> {
+    pub fn new(question: &EventSpec, config: &IntegratorConfig) -> Result<Self, EngineError> {
         let adaptive = |tolerance: f64, order: u32| {
             Ok(Pace::Adaptive(Adaptive::new(question, Control::new(tolerance, order))))
         };
@@ -90,7 +90,7 @@ pub struct Adaptive {
 
 impl Adaptive {
     /// The steps over a question's budget under a step size control.
-    pub(crate) fn new(question: &Question, control: Control) -> Self {
+    pub(crate) fn new(question: &EventSpec, control: Control) -> Self {
         let (reduced, unit_secs) = question.reduced();
         let budget = question.budget_secs / unit_secs;
         // The fastest rotation that the energy allows takes about a hundred steps per turn.
@@ -108,7 +108,7 @@ impl Adaptive {
     /// The same steps, with their greatest number raised for pendulums that set out with reduced
     /// angular velocities up to `fastest`.
     #[must_use]
-    pub(super) fn for_launches(self, question: &Question, fastest: f64) -> Self {
+    pub(super) fn for_launches(self, question: &EventSpec, fastest: f64) -> Self {
         let (reduced, _) = question.reduced();
         // A speed of one bob may pass to the other, in proportion to the roots of their inertias.
         let ratio = (reduced.a.max(reduced.b) / reduced.least_det).sqrt().max(1.0);
@@ -149,7 +149,7 @@ pub struct Steps {
 impl Steps {
     /// The steps of `step_secs` that cover a question's budget.
     pub(crate) fn new(
-        question: &Question,
+        question: &EventSpec,
         step_secs: f64,
         precision: Precision,
     ) -> Result<Self, EngineError> {
@@ -193,7 +193,7 @@ impl Steps {
 
     /// The way in which the stages of a step find their directions, chosen by the greatest turn
     /// that the scene's energy allows in one step.
-    pub(crate) fn turning(&self, question: &Question, precision: Precision) -> Turning {
+    pub(crate) fn turning(&self, question: &EventSpec, precision: Precision) -> Turning {
         if self.thrown {
             return Turning::Fresh;
         }
@@ -209,10 +209,10 @@ const MAX_STEPS: u32 = 1 << 30;
 mod tests {
     use super::*;
     use flipmap_pendulum::Rule;
-    use flipmap_scene::Build;
+    use flipmap_scene::PendulumSpec;
 
-    fn question(budget_secs: f64) -> Question {
-        Question { build: Build::default(), rule: Rule::Second, budget_secs, passes: 1 }
+    fn question(budget_secs: f64) -> EventSpec {
+        EventSpec { build: PendulumSpec::default(), rule: Rule::Second, budget_secs, passes: 1 }
     }
 
     #[test]

@@ -17,8 +17,8 @@ use super::gpu::device::{adapters, describe, is_one_device, is_software};
 use super::level::{BALANCED, BALANCED_DF32, FAST, FAST_TO_COMPILE, LESSON};
 use super::plain_file::read_plain;
 use super::{
-    Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Precision,
-    Question, Starts, Wait,
+    Accuracy, Engine, EngineError, EngineKind, EventSpec, IntegratorConfig, Job, JobResult, Keep,
+    Precision, Starts, Wait,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status, oracle};
@@ -219,7 +219,7 @@ impl ProfileRow {
 
 /// The starts that profiles are measured on, and the true outcomes of some of them.
 struct Sample {
-    question: Question,
+    question: EventSpec,
     starts: Vec<[Dd; 2]>,
     truth: Vec<Outcome>,
 }
@@ -227,7 +227,7 @@ struct Sample {
 impl Sample {
     fn new(side: u32) -> Self {
         let scene = Scene::default();
-        let question = Question::from(&scene);
+        let question = EventSpec::from(&scene);
         let starts = open_starts(side);
         let pendulum = scene.build.pendulum();
         let one = |angle: &[Dd; 2]| {

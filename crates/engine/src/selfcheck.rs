@@ -14,11 +14,11 @@ use super::gpu::kernel::selfcheck_text;
 use super::gpu::pairs::Pairs;
 use super::level::FINEST;
 use super::{
-    Engine, EngineError, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, Wait,
+    Engine, EngineError, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, Wait,
 };
 use flipmap_numbers::{Dd, Real};
 use flipmap_pendulum::{Outcome, Rule, oracle};
-use flipmap_scene::Build;
+use flipmap_scene::PendulumSpec;
 
 /// One check of a device, and its result.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,7 +150,8 @@ pub fn orbits(
     configs: &[IntegratorConfig],
 ) -> Result<Vec<Check>, EngineError> {
     let budget_secs = ORBIT_BUDGET_SECS;
-    let question = Question { build: Build::default(), rule: Rule::Second, budget_secs, passes: 1 };
+    let question =
+        EventSpec { build: PendulumSpec::default(), rule: Rule::Second, budget_secs, passes: 1 };
     let pendulum = question.build.pendulum();
     let truth = ORBITS.map(|angle| oracle::outcome(&pendulum, angle, Rule::Second, budget_secs));
     let starts: Vec<[Dd; 2]> = scattered().map(|k| ORBITS[k].map(Dd::new)).collect();
@@ -475,7 +476,7 @@ mod tests {
 
     #[test]
     fn orbits_amplify_errors_a_thousand_times_and_end_at_scattered_times() {
-        let pendulum = Build::default().pendulum();
+        let pendulum = PendulumSpec::default().pendulum();
         let time = |angle| oracle::outcome(&pendulum, angle, Rule::Second, ORBIT_BUDGET_SECS).time;
         let nudge = 1e-9;
         for angle @ [first, second] in ORBITS[2..12].iter().copied() {

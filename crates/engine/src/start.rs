@@ -12,8 +12,8 @@ use super::integrator_state::carried_names;
 use super::number_parts::{parts, time_parts, vectors};
 use super::pace::Pace;
 use super::{
-    Carried, End, Ends, EngineError, IntegratorConfig, IntegratorState, Job, Method, Moving,
-    NUMBERS, Onset, Precision, Question, Starts,
+    Carried, EngineError, EventSpec, FinalState, IntegratorConfig, IntegratorState, Job, Method,
+    Moving, NUMBERS, Onset, Precision, Starts, WantedEnd,
 };
 use flipmap_numbers::dual::Dual;
 use flipmap_numbers::{Dd, Scalar};
@@ -45,7 +45,11 @@ pub(crate) const STEP: usize = 14;
 
 /// Indices of a device's numbers and of their remainders (see [`IntegratorState::number`]), where jobs
 /// return such ends.
-pub(crate) fn places(state: &[&str], precision: Precision, ends: Ends) -> Vec<[Option<usize>; 2]> {
+pub(crate) fn places(
+    state: &[&str],
+    precision: Precision,
+    ends: WantedEnd,
+) -> Vec<[Option<usize>; 2]> {
     let phase = [&PHASE[..], &carried_names(ends)].concat();
     let all: &[&str] = if state.contains(&"h") { &phase } else { &ANGLES };
     let place = |name: &str| all.iter().position(|&other| other == name);
@@ -120,18 +124,18 @@ fn beside_top(job: &Job, reduced: &(Pendulum<Dd>, Dd), moments: &FirstMoments) -
 /// Refuses paused pendulums that do not carry what the job returns.
 pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     let carries = |state: &IntegratorState| match (job.keep.ends, state.carried.as_deref()) {
-        (Ends::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
-        (Ends::Return, carried) => matches!(carried, Some(Carried::Return { .. })),
+        (WantedEnd::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
+        (WantedEnd::Return, carried) => matches!(carried, Some(Carried::Return { .. })),
         _ => true,
     };
     let is_possible = match &job.starts {
         Starts::Rest(_) | Starts::Upright(_) | Starts::Thrown(_) | Starts::Mixed { .. } => true,
         Starts::Resumed { states, .. } => states.iter().all(carries),
         Starts::Moving(moving) => match job.keep.ends {
-            Ends::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
+            WantedEnd::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
             ends => !ends.are_carried(),
         },
-        Starts::Deep(_) => job.keep.ends != Ends::Return,
+        Starts::Deep(_) => job.keep.ends != WantedEnd::Return,
     };
     if is_possible {
         return Ok(());
@@ -143,7 +147,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
 /// The states in which a job's pendulums begin, with everything that they carry along.
 pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let (reduced, _) = job.question.reduced();
-    if let (Starts::Moving(moving), Ends::Growth) = (&job.starts, job.keep.ends) {
+    if let (Starts::Moving(moving), WantedEnd::Growth) = (&job.starts, job.keep.ends) {
         let pace = job.pace()?;
         let nudged = moving.states.iter().map(|moving| {
             let nudges = moving.nudges.as_ref()?;
@@ -158,7 +162,7 @@ pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let pace = Pace::new(&job.question, &job.config)?;
     let begun = |state: IntegratorState| match (&state.carried, job.keep.ends) {
         (Some(_), _) => state,
-        (None, Ends::Growth) => with_tangents(&reduced, (&job.config, &pace), &state),
+        (None, WantedEnd::Growth) => with_tangents(&reduced, (&job.config, &pace), &state),
         (None, _) => with_start(&reduced, &pace, state),
     };
     Ok(states.into_iter().map(begun).collect())
@@ -256,7 +260,7 @@ fn plain_states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
 
 /// The state of a pendulum that is already in motion.
 fn on_its_way(
-    question: &Question,
+    question: &EventSpec,
     config: &IntegratorConfig,
     pace: &Pace,
     moving: &Moving,
@@ -326,7 +330,7 @@ pub(crate) fn end(
     left: &IntegratorState,
     flipped: Option<f64>,
     clearance: f64,
-) -> End {
+) -> FinalState {
     let numbers = &left.numbers;
     let begin = phase_at(reduced, pace, left);
     let counts = left.counts();
@@ -351,27 +355,32 @@ pub(crate) fn end(
         }
     };
     let gathered = Accumulators { turns, ..counts };
-    End { time, phase: plus(&begin, &change), clearance, gathered, ..End::NOWHERE }
+    FinalState { time, phase: plus(&begin, &change), clearance, gathered, ..FinalState::NOWHERE }
 }
 
 /// The end of a pendulum with tangents, with the growth of the largest of all nudges.
-pub(crate) fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -> End {
+pub(crate) fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -> FinalState {
     let (phase, slopes) = (phase_of(&left.numbers), left.slopes());
     let state: Tangents<f64> = std::array::from_fn(|i| Dual { value: phase[i], slope: slopes[i] });
     let log_growth = log_growth(reduced, &state) + left.log_scale();
     let gathered = Accumulators { log_growth, ..Accumulators::NONE };
-    End { time: left.numbers[TIME] + left.numbers[TIME_LOW], phase, gathered, ..End::NOWHERE }
+    FinalState {
+        time: left.numbers[TIME] + left.numbers[TIME_LOW],
+        phase,
+        gathered,
+        ..FinalState::NOWHERE
+    }
 }
 
 /// The end of a pendulum that has looked for its nearest return.
-pub(crate) fn end_with_return(left: &IntegratorState) -> End {
+pub(crate) fn end_with_return(left: &IntegratorState) -> FinalState {
     let nearest = match left.carried.as_deref() {
         Some(Carried::Return { nearest, .. }) => *nearest,
         _ => Accumulators::NONE.nearest,
     };
     let gathered = Accumulators { nearest, ..Accumulators::NONE };
     let (time, phase) = (left.numbers[TIME] + left.numbers[TIME_LOW], phase_of(&left.numbers));
-    End { time, phase, gathered, ..End::NOWHERE }
+    FinalState { time, phase, gathered, ..FinalState::NOWHERE }
 }
 
 /// Number of whole turns in an angle (rad) that began in (−π, π].

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::pace::Pace;
 use super::start::phase_at;
-use super::{IntegratorState, Question};
+use super::{EventSpec, IntegratorState};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::Launch;
 use flipmap_pendulum::first_moments::FirstMoments;
@@ -19,7 +19,7 @@ pub enum Starts {
     /// Released from rest at these angles (rad), each within (−π, π].
     Rest(Vec<[Dd; 2]>),
     /// Released from rest at angles that many starts share.
-    Upright(Upright),
+    Upright(Separable),
     /// Thrown from angles (rad, each within (−π, π]) with speeds (rad/s).
     Thrown(Vec<Launch>),
     /// Some beside the top, to be integrated from the end of their first moments.
@@ -65,14 +65,14 @@ pub struct StartList {
 
 /// Starts from rest of an upright picture, each at the angles of its column and of its row.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Upright {
+pub struct Separable {
     /// Angles of the columns and of the rows (rad, within (−π, π]).
     pub angles: [Vec<Dd>; 2],
     /// The place of each start: its column, and its row times the number of columns.
     pub places: Vec<u32>,
 }
 
-impl Upright {
+impl Separable {
     /// The angles of each start in rad.
     pub(crate) fn listed(&self) -> Vec<[Dd; 2]> {
         let [columns, rows] = &self.angles;
@@ -125,11 +125,11 @@ pub struct Moving {
     pub phase: Phase<f64>,
     /// Length of the first step to try, short enough to be safe.
     pub step: f64,
-    /// Clearance so far, see [`super::End::clearance`].
+    /// Clearance so far, see [`super::FinalState::clearance`].
     pub clearance: f64,
-    /// Growth so far, see [`super::End::grown`].
+    /// Growth so far, see [`super::FinalState::grown`].
     pub grown: f64,
-    /// Error of the start map, see [`super::End::map_error`].
+    /// Error of the start map, see [`super::FinalState::map_error`].
     pub map_error: f64,
     /// Whole turns of each bob so far.
     pub turns: [i32; 2],
@@ -268,7 +268,7 @@ const ABOVE_REST: f64 = 0.05;
 
 /// The greatest reduced angular velocity of starts that may move faster than after any release from
 /// rest; none where no start does. Those that come from cells are known by their energy.
-pub(super) fn fastest(question: &Question, pace: &Pace, starts: &Starts) -> Option<f64> {
+pub(super) fn fastest(question: &EventSpec, pace: &Pace, starts: &Starts) -> Option<f64> {
     let (reduced, unit_secs) = question.reduced();
     let greatest = |speed: [f64; 2]| speed[0].abs().max(speed[1].abs());
     let highest = (1.0 + ABOVE_REST) * (reduced.p + reduced.q);

@@ -6,7 +6,7 @@ use egui::{Color32, Grid, Slider, SliderClamping, Ui};
 
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::State;
-use flipmap_scene::{Build, Kind};
+use flipmap_scene::{Kind, PendulumSpec};
 
 /// Shows a named number with a slider in a row of a grid; returns true if it was changed. A typed
 /// value outside the range is clamped to it, and the range is shown.
@@ -90,14 +90,14 @@ fn decimal(ui: &mut Ui, name: &str, unit: &str, value: &mut Decimal, range: Rang
 }
 
 /// Shows the kind, masses, lengths and gravity of a double pendulum; returns true if any changed.
-pub(super) fn build(ui: &mut Ui, build: &mut Build) -> bool {
+pub(super) fn build(ui: &mut Ui, build: &mut PendulumSpec) -> bool {
     let before = *build;
     ui.horizontal(|ui| {
         ui.radio_value(&mut build.kind, Kind::Points, "points");
         ui.radio_value(&mut build.kind, Kind::Rods, "rods");
     });
     Grid::new("build").num_columns(2).show(ui, |ui| {
-        let Build { masses: [m1, m2], lengths: [l1, l2], gravity, .. } = build;
+        let PendulumSpec { masses: [m1, m2], lengths: [l1, l2], gravity, .. } = build;
         decimal(ui, "Mass m1", " kg", m1, 0.1..=8.0);
         decimal(ui, "Mass m2", " kg", m2, 0.1..=8.0);
         decimal(ui, "Length l1", " m", l1, 0.1..=3.0);

@@ -7,7 +7,7 @@ use super::drawing::{FigureCanvas, angle_of, ends, wrapped};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::rk4;
 use flipmap_pendulum::{Pendulum, State};
-use flipmap_scene::{Build, Kind};
+use flipmap_scene::{Kind, PendulumSpec};
 
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 960.0;
@@ -22,7 +22,7 @@ const TRAIL_EVERY: u64 = 8;
 #[derive(Clone, Debug)]
 pub(super) struct DoublePendulumSimulation {
     /// The pendulum's kind, masses, lengths and gravity.
-    pub build: Build,
+    pub build: PendulumSpec,
     /// State at the release.
     pub start: State<f64>,
     /// State at the last step.
@@ -40,7 +40,7 @@ impl DoublePendulumSimulation {
     pub(super) fn from(angle: [f64; 2]) -> Self {
         let start = State::rest(angle);
         DoublePendulumSimulation {
-            build: Build::default(),
+            build: PendulumSpec::default(),
             start,
             state: start,
             clock: Clock::new(1.0 / STEPS_A_SEC),
@@ -156,7 +156,7 @@ impl DoublePendulumSimulation {
 
 /// Returns the five coefficients of the default pendulum's equations of motion.
 pub(super) fn pendulum() -> Pendulum<f64> {
-    Build::default().pendulum()
+    PendulumSpec::default().pendulum()
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{Tint, wrapped};
 use flipmap_pendulum::State;
 use flipmap_pendulum::pendulum::Equation;
-use flipmap_scene::{Build, Kind};
+use flipmap_scene::{Kind, PendulumSpec};
 
 /// The five different entries of the equation as formulas: M11, M12, M22, τ1 and τ2. A dot
 /// multiplies, and Δ is θ1 − θ2.
@@ -42,7 +42,7 @@ const LETTER: f32 = 14.0;
 
 /// The numbers that the symbols of a formula stand for.
 struct Moment {
-    build: Build,
+    build: PendulumSpec,
     state: State<f64>,
     acceleration: [f64; 2],
 }
@@ -290,7 +290,7 @@ mod tests {
     fn the_formulas_are_the_equation_that_is_computed() {
         let state = State { angle: [1.1, -2.3], speed: [3.0, -4.0] };
         for kind in [Kind::Points, Kind::Rods] {
-            let build = Build::new(kind, [1.5, 0.7], [0.8, 1.3], 9.81);
+            let build = PendulumSpec::new(kind, [1.5, 0.7], [0.8, 1.3], 9.81);
             let pendulum = build.pendulum();
             let moment = Moment { build, state, acceleration: pendulum.acceleration(&state) };
             let Equation { mass, torque } = pendulum.equation(&state);
@@ -308,7 +308,7 @@ mod tests {
     #[test]
     fn numbers_take_the_places_and_the_colours_of_symbols() {
         let state = State { angle: [0.5, 2.0], speed: [0.0, -1.0] };
-        let moment = Moment { build: Build::default(), state, acceleration: [0.0; 2] };
+        let moment = Moment { build: PendulumSpec::default(), state, acceleration: [0.0; 2] };
         let text = |moment| written("m2·l1²·sin Δ·ω2", moment, &Tint::DARK, 14.0);
         assert_eq!(text(None).text, "m2 l1² sin Δ ω2");
         let numbers = text(Some(&moment));

@@ -9,7 +9,7 @@ use super::colour_words::colour_words;
 use super::controls::{brief, row};
 use flipmap_pendulum::{Pendulum, Rule};
 use flipmap_scene::palette::{AnswerColours, Rgb};
-use flipmap_scene::{Document, Kind, Plane, PlaneKind, QuestionTable, Scene};
+use flipmap_scene::{Document, Kind, Plane, PlaneKind, QuestionSettings, Scene};
 
 /// Counts of the map's known pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -85,7 +85,7 @@ fn plane_words(plane: &Plane) -> String {
 }
 
 /// Returns what the colours of a question tell.
-fn question_words(question: &QuestionTable) -> String {
+fn question_words(question: &QuestionSettings) -> String {
     if !question.ask.is_time() || question.watched() == Rule::Neither {
         return question.ask.kind().about.to_string();
     }
@@ -193,10 +193,10 @@ pub(crate) fn forbidden_share(rule: Rule, pendulum: &Pendulum<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_scene::Build;
+    use flipmap_scene::PendulumSpec;
 
     fn pendulum(kind: Kind) -> Pendulum<f64> {
-        Build { kind, ..Build::default() }.pendulum()
+        PendulumSpec { kind, ..PendulumSpec::default() }.pendulum()
     }
 
     #[test]

@@ -239,7 +239,7 @@ impl LiveFigure for Twenty {
 mod tests {
     use super::*;
     use flipmap_pendulum::taylor::Orbit;
-    use flipmap_scene::Build;
+    use flipmap_scene::PendulumSpec;
 
     #[test]
     fn the_climb_is_that_of_the_tangent_map() {
@@ -249,7 +249,8 @@ mod tests {
         // The reference is the growth of a nudge that stays infinitesimal, integrated in
         // double-double by another method, and read and fitted in the same way.
         let nudge = 1e-22;
-        let orbit = |angle| Orbit::new(Build::default().pendulum_in::<Dd>(), State::rest(angle));
+        let orbit =
+            |angle| Orbit::new(PendulumSpec::default().pendulum_in::<Dd>(), State::rest(angle));
         let start = [2.2, 2.5].map(Dd::new);
         let mut own = orbit(start);
         let mut nudged = orbit([start[0] + Dd::new(nudge), start[1]]);

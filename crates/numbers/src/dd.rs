@@ -12,7 +12,7 @@ use dashu_float::round::mode::HalfEven;
 use dashu_float::{DBig, FBig};
 
 use crate::decimal;
-use crate::fixed::Theta;
+use crate::fixed::Exact;
 use crate::real::{Angle, Real, Scalar};
 
 /// The sum `hi + lo`, with |lo| at most half a unit in the last place of `hi`.
@@ -223,7 +223,7 @@ impl Scalar for Dd {
         let root = self.hi.sqrt();
         Dd::new(root) + Dd::new((self - Dd::product(root, root)).hi / (2.0 * root))
     }
-    fn from_theta(value: Theta) -> Self {
+    fn from_theta(value: Exact) -> Self {
         value.to_dd()
     }
     fn parse(text: &str) -> Option<Self> {

@@ -7,7 +7,7 @@ use dashu_float::DBig;
 use dashu_int::{IBig, ops::DivRem};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::fixed::Theta;
+use crate::fixed::Exact;
 use crate::real::Scalar;
 
 /// A number as the user wrote it. Every number type takes its own nearest value from it: the f64
@@ -20,7 +20,7 @@ pub struct Decimal {
     /// The nearest f64; a number that is not finite or beyond 2⁶³ has no exact value.
     value: f64,
     /// The exact value, right to 1e-134.
-    exact: Theta,
+    exact: Exact,
 }
 
 impl Decimal {
@@ -30,7 +30,7 @@ impl Decimal {
     }
 
     /// The value in 512 bits, 448 of them after the point.
-    pub fn exact(&self) -> Theta {
+    pub fn exact(&self) -> Exact {
         self.exact
     }
 
@@ -42,7 +42,7 @@ impl Decimal {
 
 impl From<f64> for Decimal {
     fn from(value: f64) -> Self {
-        let exact = Theta::parse(&format!("{value:e}")).unwrap_or_default();
+        let exact = Exact::parse(&format!("{value:e}")).unwrap_or_default();
         Decimal { value, exact }
     }
 }
@@ -52,7 +52,7 @@ impl FromStr for Decimal {
 
     fn from_str(text: &str) -> Result<Self, ()> {
         let value: f64 = text.trim().parse().map_err(|_| ())?;
-        Ok(Decimal { value, exact: Theta::parse(text).unwrap_or_default() })
+        Ok(Decimal { value, exact: Exact::parse(text).unwrap_or_default() })
     }
 }
 
@@ -201,8 +201,8 @@ mod tests {
     fn a_number_is_what_its_digits_say_and_not_the_nearest_float() {
         let six_tenths = Decimal::from(0.6);
         assert_eq!("0.6".parse(), Ok(six_tenths));
-        assert_eq!(six_tenths.exact(), Theta::parse("0.6").unwrap());
-        assert_ne!(six_tenths.exact(), Theta::from_f64(0.6));
+        assert_eq!(six_tenths.exact(), Exact::parse("0.6").unwrap());
+        assert_ne!(six_tenths.exact(), Exact::from_f64(0.6));
         assert!(six_tenths == 0.6 && six_tenths.to_string() == "0.6");
         let long: Decimal = "1.00000000000000000000000000001".parse().unwrap();
         assert!(long.value() == 1.0 && long != 1.0);

@@ -29,5 +29,5 @@ pub mod trig;
 
 pub use dd::Dd;
 pub use decimal::Decimal;
-pub use fixed::{Fixed, Theta};
+pub use fixed::{Exact, Fixed};
 pub use real::{Angle, Real, Scalar};

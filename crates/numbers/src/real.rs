@@ -3,7 +3,7 @@
 use std::fmt::{Debug, Display};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::fixed::Theta;
+use crate::fixed::Exact;
 
 /// A number in which the equations can be written: one value, a register of SIMD lanes, or a symbol
 /// that records the operations on it.
@@ -68,7 +68,7 @@ pub trait Scalar: Angle + PartialOrd + Display + Send + Sync + 'static {
     /// Parses a decimal directly into the type, correctly rounded; `None` if it is not a number.
     fn parse(text: &str) -> Option<Self>;
     /// The number nearest to a long fixed-point one.
-    fn from_theta(value: Theta) -> Self;
+    fn from_theta(value: Exact) -> Self;
 
     /// The number zero.
     fn zero() -> Self {
@@ -131,7 +131,7 @@ macro_rules! native_float {
             fn sqrt(self) -> Self {
                 $float::sqrt(self)
             }
-            fn from_theta(value: Theta) -> Self {
+            fn from_theta(value: Exact) -> Self {
                 value.to_f64() as $float
             }
             fn parse(text: &str) -> Option<Self> {

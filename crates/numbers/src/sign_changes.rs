@@ -62,7 +62,7 @@ fn part<T: Scalar, const N: usize>(c: &[T; N], from: T, to: T) -> [T; N] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Dd, Theta};
+    use crate::{Dd, Exact};
 
     fn changes(c: [f64; 5]) -> Vec<f64> {
         sign_changes(&c)
@@ -78,8 +78,8 @@ mod tests {
             let near = 1.0 + 0.25 * root;
             assert!(at.len() == 1 && (at[0] / root / near - 1.0).abs() < 0.3 * root + 1e-14);
         }
-        let tiny = Theta::from_f64(1e-40);
-        let c = [-(tiny * tiny), Theta::ZERO, Theta::from_f64(1.0)];
+        let tiny = Exact::from_f64(1e-40);
+        let c = [-(tiny * tiny), Exact::ZERO, Exact::from_f64(1.0)];
         let at = sign_changes(&c);
         assert!(at.len() == 1 && (at[0].to_f64() / 1e-40 - 1.0).abs() < 1e-14);
     }

@@ -10,7 +10,7 @@ use crate::pendulum::{Launch, Pendulum, State};
 use crate::phase::Phase;
 use crate::series::MotionSeries;
 use flipmap_numbers::real::Scalar;
-use flipmap_numbers::{Dd, Theta};
+use flipmap_numbers::{Dd, Exact};
 
 /// A pass of the top in the first moments.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +49,7 @@ pub struct FirstMoments {
 
 impl<T: Scalar> Release<T> {
     /// The release of a start in a number type: angles in (−π, π] rad, speeds reduced.
-    pub(super) fn new(start: &State<Theta>) -> Self {
+    pub(super) fn new(start: &State<Exact>) -> Self {
         let [angle, from_top, speed] = [start.angle, start.angle.map(from_top), start.speed]
             .map(|pair| pair.map(T::from_theta));
         let vectors = [0, 1].map(|bob| vector(angle[bob], from_top[bob]));
@@ -147,7 +147,7 @@ impl FirstMoments {
     /// The first moments of a start, with the passes in them and, for a bob that begins exactly at
     /// the top, the side on which it counts as being: the sign of its angle.
     pub(super) fn new(
-        start: &State<Theta>,
+        start: &State<Exact>,
         length: f64,
         passes: Vec<FirstPass>,
         sides: [Option<f64>; 2],

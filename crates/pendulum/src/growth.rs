@@ -8,7 +8,7 @@ use crate::embedded::{dop853, dop853_factor, plus};
 use crate::phase::Phase;
 use crate::reference::{Reference, reference};
 use crate::{Pendulum, State};
-use flipmap_numbers::Theta;
+use flipmap_numbers::Exact;
 use flipmap_numbers::dual::Dual;
 
 /// A state with its derivatives by both angles of the start.
@@ -26,8 +26,8 @@ const SPARE_BITS: f64 = 40.0;
 /// by `decades`, measured in unit vectors and scaled momenta; none if that takes longer than `most`.
 /// The pendulum is in reduced units.
 pub fn time_to_grow(
-    pendulum: &Pendulum<Theta>,
-    angle: [Theta; 2],
+    pendulum: &Pendulum<Exact>,
+    angle: [Exact; 2],
     decades: f64,
     most: f64,
 ) -> Option<f64> {
@@ -63,7 +63,7 @@ struct TangentMotion {
 }
 
 impl TangentMotion {
-    fn released(pendulum: &Pendulum<Theta>, angle: [Theta; 2], bits: u32) -> Self {
+    fn released(pendulum: &Pendulum<Exact>, angle: [Exact; 2], bits: u32) -> Self {
         let reference = reference(pendulum, &State::rest(angle), bits);
         let phase = reference.phase(0.0);
         let [x1, y1, x2, y2, ..] = phase;
@@ -131,7 +131,7 @@ mod tests {
     fn an_upright_pendulum_grows_at_its_exponent() {
         // λ² = 2 + √2 is the larger eigenvalue of the linear motion about (π, π).
         let exponent = (2.0 + 2f64.sqrt()).sqrt();
-        let time = |decades| time_to_grow(&unit(), [Theta::pi(); 2], decades, 1e3).unwrap();
+        let time = |decades| time_to_grow(&unit(), [Exact::pi(); 2], decades, 1e3).unwrap();
         let apart = (time(70.0) - time(20.0)) / 50.0;
         let expected = std::f64::consts::LN_10 / exponent;
         assert!((apart / expected - 1.0).abs() < 0.01, "{apart} {expected}");
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn neighbours_are_apart_when_it_says_so() {
-        let angle = [1.1867, 2.0438].map(Theta::from_f64);
+        let angle = [1.1867, 2.0438].map(Exact::from_f64);
         let time = time_to_grow(&unit(), angle, 5.0, 200.0).unwrap();
         let state = |by: f64| {
             let start = State::rest([1.1867, 2.0438].map(|angle| Dd::new(angle) + Dd::new(by)));
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_small_swing_never_grows() {
-        let angle = [Theta::from_f64(0.1); 2];
+        let angle = [Exact::from_f64(0.1); 2];
         assert_eq!(time_to_grow(&unit(), angle, 6.0, 100.0), None);
     }
 }

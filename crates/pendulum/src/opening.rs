@@ -13,7 +13,7 @@ use crate::flip::side_at_top;
 use crate::pendulum::{Pendulum, State};
 use flipmap_numbers::real::Scalar;
 use flipmap_numbers::sign_changes::sign_changes;
-use flipmap_numbers::{Dd, Theta};
+use flipmap_numbers::{Dd, Exact};
 
 /// Approximate angle in rad through which the fastest bob turns in an opening. Each power of time
 /// contributes less than the previous one by about this factor.
@@ -82,7 +82,7 @@ pub fn from_top<T: Scalar>(angle: T) -> T {
 /// The opening of one pendulum, in reduced units.
 #[derive(Clone, Debug)]
 pub struct Opening {
-    exact: Pendulum<Theta>,
+    exact: Pendulum<Exact>,
     rounded: Pendulum<Dd>,
     plain: Pendulum<f64>,
     /// The bobs whose passes are asked for.
@@ -102,11 +102,11 @@ struct Course {
 impl Opening {
     /// The opening of a pendulum in reduced units, for passes of these bobs within a reduced
     /// `budget`.
-    pub fn new(pendulum: &Pendulum<Theta>, bobs: &'static [usize], budget: f64) -> Self {
+    pub fn new(pendulum: &Pendulum<Exact>, bobs: &'static [usize], budget: f64) -> Self {
         let plain = pendulum.to_f64();
         Opening {
             exact: *pendulum,
-            rounded: pendulum.map(Theta::to_dd),
+            rounded: pendulum.map(Exact::to_dd),
             plain,
             bobs,
             rates: Rates::new(&plain),
@@ -138,34 +138,34 @@ impl Opening {
     }
 
     /// The length of a start's opening.
-    fn length(&self, start: &State<Theta>) -> f64 {
+    fn length(&self, start: &State<Exact>) -> f64 {
         let [first, second] = start.speed.map(|speed| speed.to_f64().abs());
         self.rates.length(first.max(second)).min(self.budget)
     }
 
     /// The first moments of a launch from `start`: angles in (−π, π] rad, speeds in reduced units.
-    pub fn first_moments(&self, start: &State<Theta>) -> FirstMoments {
+    pub fn first_moments(&self, start: &State<Exact>) -> FirstMoments {
         let length = self.length(start);
         let course = self.course::<f64, ORDER_F64, { ORDER_F64 / 2 }>(&self.plain, start, length);
         self.with_more_digits(start, length, course)
     }
 
     /// The same, with the times of passes to the precision of double-double.
-    pub fn precise_first_moments(&self, start: &State<Theta>) -> FirstMoments {
+    pub fn precise_first_moments(&self, start: &State<Exact>) -> FirstMoments {
         self.with_more_digits(start, self.length(start), None)
     }
 
     /// Decides the course with the digits that it takes, if that is not done.
     fn with_more_digits(
         &self,
-        start: &State<Theta>,
+        start: &State<Exact>,
         length: f64,
         course: Option<Course>,
     ) -> FirstMoments {
         let Course { passes, sides } = course
             .or_else(|| self.course::<Dd, ORDER_DD, { ORDER_DD / 2 }>(&self.rounded, start, length))
             .or_else(|| {
-                self.course::<Theta, ORDER_THETA, { ORDER_THETA / 2 }>(&self.exact, start, length)
+                self.course::<Exact, ORDER_THETA, { ORDER_THETA / 2 }>(&self.exact, start, length)
             })
             .unwrap_or_default();
         let length = if self.is_carried(start) { length } else { 0.0 };
@@ -175,10 +175,10 @@ impl Opening {
     /// Returns true if a start is integrated from the end of its first moments. A motion that is even in
     /// time leaves the top as it came, so that any number type can follow it from the release unless
     /// it begins far nearer the top than its rounding errors.
-    fn is_carried(&self, start: &State<Theta>) -> bool {
-        let speed = start.speed.map(Theta::to_f64);
+    fn is_carried(&self, start: &State<Exact>) -> bool {
+        let speed = start.speed.map(Exact::to_f64);
         let from_top = start.angle.map(|angle| from_top(angle).to_f64());
-        let is_even = start.speed == [Theta::ZERO; 2] && self.plain.friction.is_none();
+        let is_even = start.speed == [Exact::ZERO; 2] && self.plain.friction.is_none();
         let is_carried = |&bob: &usize| {
             let is_plain = is_even && from_top[bob].abs() > PLAIN_RAD;
             !is_plain && self.is_near(bob, from_top, speed)
@@ -191,7 +191,7 @@ impl Opening {
     fn course<T: Scalar, const N: usize, const H: usize>(
         &self,
         pendulum: &Pendulum<T>,
-        start: &State<Theta>,
+        start: &State<Exact>,
         length: f64,
     ) -> Option<Course> {
         let release = Release::<T>::new(start);
@@ -283,8 +283,8 @@ mod tests {
     use flipmap_numbers::Fixed;
 
     /// Starts around a point at which bobs are at the top, at many distances from it.
-    fn around(corner: [f64; 2]) -> Vec<[Theta; 2]> {
-        let quarter = Theta::pi().halved(1);
+    fn around(corner: [f64; 2]) -> Vec<[Exact; 2]> {
+        let quarter = Exact::pi().halved(1);
         let mut starts = Vec::new();
         for exponent in [-4, -6, -9, -14, -20, -30, -50] {
             let far = 10f64.powi(exponent);
@@ -300,11 +300,11 @@ mod tests {
                 let by = [x * far, y * far];
                 starts.push([0, 1].map(|i| {
                     let corner = if corner[i] == 2.0 {
-                        Theta::pi()
+                        Exact::pi()
                     } else {
-                        quarter * Theta::from_f64(corner[i])
+                        quarter * Exact::from_f64(corner[i])
                     };
-                    (corner + Theta::from_f64(by[i])).wrapped()
+                    (corner + Exact::from_f64(by[i])).wrapped()
                 }));
             }
         }
@@ -312,24 +312,24 @@ mod tests {
     }
 
     /// A pendulum of points or bars in reduced units.
-    fn reduced(bars: bool, masses: [f64; 2], lengths: [f64; 2]) -> Pendulum<Theta> {
+    fn reduced(bars: bool, masses: [f64; 2], lengths: [f64; 2]) -> Pendulum<Exact> {
         let make = if bars { Pendulum::rods } else { Pendulum::points };
-        let [masses, lengths] = [masses, lengths].map(|pair| pair.map(Theta::from_f64));
-        make(masses, lengths, Theta::from_f64(1.0)).reduced().0
+        let [masses, lengths] = [masses, lengths].map(|pair| pair.map(Exact::from_f64));
+        make(masses, lengths, Exact::from_f64(1.0)).reduced().0
     }
 
-    fn rubbed(pendulum: Pendulum<Theta>, friction: [f64; 2]) -> Pendulum<Theta> {
-        Pendulum { friction: Some(friction.map(Theta::from_f64)), ..pendulum }
+    fn rubbed(pendulum: Pendulum<Exact>, friction: [f64; 2]) -> Pendulum<Exact> {
+        Pendulum { friction: Some(friction.map(Exact::from_f64)), ..pendulum }
     }
 
     /// Compares the first pass of each start with the gold standard's, in as many digits; returns the
     /// number of starts that pass.
-    fn check(pendulum: &Pendulum<Theta>, starts: &[State<Theta>], rule: Rule) -> usize {
+    fn check(pendulum: &Pendulum<Exact>, starts: &[State<Exact>], rule: Rule) -> usize {
         let opening = Opening::new(pendulum, rule.watched(), 1e3);
         let mut passed = 0;
         for start in starts {
             let from_top = start.angle.map(|angle| from_top(angle).to_f64());
-            if !opening.concerns(from_top, start.speed.map(Theta::to_f64)) {
+            if !opening.concerns(from_top, start.speed.map(Exact::to_f64)) {
                 continue;
             }
             let moments = opening.first_moments(start);
@@ -362,7 +362,7 @@ mod tests {
     const CORNERS: [[f64; 2]; 7] =
         [[0.0, 2.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [-1.0, 2.0], [2.0, 1.0], [0.6, 2.0]];
 
-    fn pendulums() -> [Pendulum<Theta>; 3] {
+    fn pendulums() -> [Pendulum<Exact>; 3] {
         [
             reduced(false, [1.0; 2], [1.0; 2]),
             reduced(true, [1.0; 2], [1.0; 2]),
@@ -398,7 +398,7 @@ mod tests {
         let speeds = [[0.0, 1.0], [0.0, -1.0], [3.0, 1e-12], [40.0, -1e-30], [-2.0, 0.0]];
         for pendulum in pendulums() {
             for speed in speeds {
-                let speed = speed.map(Theta::from_f64);
+                let speed = speed.map(Exact::from_f64);
                 let starts = CORNERS.into_iter().flat_map(around);
                 let thrown: Vec<_> = starts.map(|angle| State { angle, speed }).collect();
                 let passed = check(&pendulum, &thrown, Rule::Either)
@@ -411,25 +411,25 @@ mod tests {
     #[test]
     fn a_start_exactly_at_the_top_is_put_where_it_moves() {
         let pendulum = reduced(false, [1.0; 2], [1.0; 2]);
-        let quarter = Theta::pi().halved(1);
+        let quarter = Exact::pi().halved(1);
         let opening = Opening::new(&pendulum, Rule::Second.watched(), 1e3);
-        let thrown = |angle: [Theta; 2], speed: f64| State {
+        let thrown = |angle: [Exact; 2], speed: f64| State {
             angle,
-            speed: [Theta::ZERO, Theta::from_f64(speed)],
+            speed: [Exact::ZERO, Exact::from_f64(speed)],
         };
         // Where the acceleration vanishes, the next derivative decides: the bob stays on one side.
         for (theta1, speed, side) in [
             (quarter, 0.0, None),
             (-quarter, 0.0, None),
-            (Theta::from_f64(2.0), 0.0, Some(-1.0)),
-            (Theta::from_f64(2.0), 0.5, Some(-1.0)),
-            (Theta::from_f64(2.0), -0.5, Some(1.0)),
-            (Theta::from_f64(-2.0), -1e-90, Some(1.0)),
+            (Exact::from_f64(2.0), 0.0, Some(-1.0)),
+            (Exact::from_f64(2.0), 0.5, Some(-1.0)),
+            (Exact::from_f64(2.0), -0.5, Some(1.0)),
+            (Exact::from_f64(-2.0), -1e-90, Some(1.0)),
         ] {
-            let start = thrown([theta1, Theta::pi()], speed);
+            let start = thrown([theta1, Exact::pi()], speed);
             let moments = opening.first_moments(&start);
             assert!(moments.passes.is_empty(), "{theta1} {speed}");
-            let mirrored = opening.first_moments(&thrown([-theta1, Theta::pi()], -speed));
+            let mirrored = opening.first_moments(&thrown([-theta1, Exact::pi()], -speed));
             assert_eq!(moments.angle[1].abs(), Dd::PI);
             assert_eq!(moments.angle[1], -mirrored.angle[1], "{theta1} {speed}");
             assert!(side.is_none_or(|side| moments.angle[1].hi.signum() == side));
@@ -440,10 +440,10 @@ mod tests {
     fn a_bob_thrown_over_the_top_passes_it_once_and_a_braked_one_comes_back() {
         let pendulum = reduced(false, [1.0; 2], [1.0; 2]);
         let opening = Opening::new(&pendulum, Rule::Second.watched(), 1e3);
-        let just_below = Theta::pi() - Theta::parse("1e-70").unwrap();
+        let just_below = Exact::pi() - Exact::parse("1e-70").unwrap();
         let passes = |theta1: f64, speed: f64| {
-            let angle = [Theta::from_f64(theta1), just_below];
-            let speed = [Theta::ZERO, Theta::from_f64(speed)];
+            let angle = [Exact::from_f64(theta1), just_below];
+            let speed = [Exact::ZERO, Exact::from_f64(speed)];
             opening.first_moments(&State { angle, speed }).passes
         };
         let over = passes(1.0, 2.0);
@@ -458,12 +458,12 @@ mod tests {
     fn first_moments_end_where_the_gold_standard_is() {
         let pendulum = rubbed(reduced(false, [1.0, 0.4], [1.0, 0.7]), [0.3, 0.8]);
         let opening = Opening::new(&pendulum, Rule::Second.watched(), 1e3);
-        let angle = [Theta::from_f64(0.7), Theta::pi() - Theta::from_f64(1e-25)];
-        let start = State { angle, speed: [-1.5, 0.25].map(Theta::from_f64) };
+        let angle = [Exact::from_f64(0.7), Exact::pi() - Exact::from_f64(1e-25)];
+        let start = State { angle, speed: [-1.5, 0.25].map(Exact::from_f64) };
         let moments = opening.first_moments(&start);
         let mut orbit = crate::taylor::Orbit::new(pendulum, start);
-        let truth = pendulum.phase(&orbit.state_at(Theta::from_f64(moments.length)));
-        let precise = moments.precise_end(&pendulum.map(Theta::to_dd));
+        let truth = pendulum.phase(&orbit.state_at(Exact::from_f64(moments.length)));
+        let precise = moments.precise_end(&pendulum.map(Exact::to_dd));
         let end = moments.end(&pendulum.to_f64());
         for i in 0..6 {
             assert!((precise[i] - truth[i].to_dd()).abs().hi < 1e-30, "{i}");

@@ -11,7 +11,7 @@ use crate::{Pendulum, State};
 use flipmap_numbers::fixed::limbs_for;
 use flipmap_numbers::polynomial::evaluate;
 use flipmap_numbers::real::Scalar;
-use flipmap_numbers::{Fixed, Theta};
+use flipmap_numbers::{Exact, Fixed};
 
 /// A trajectory known to more digits than f64 holds, in reduced units.
 pub trait Reference: Send {
@@ -60,8 +60,8 @@ pub fn digits_for(bits: u32) -> u32 {
 /// Computes the trajectory of a pendulum from a start, both in reduced units, with errors of about
 /// 2^−`bits`.
 pub fn reference(
-    pendulum: &Pendulum<Theta>,
-    start: &State<Theta>,
+    pendulum: &Pendulum<Exact>,
+    start: &State<Exact>,
     bits: u32,
 ) -> Box<dyn Reference> {
     from(pendulum, start, bits)

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use flipmap_engine::Question;
+use flipmap_engine::EventSpec;
 use flipmap_numbers::Dd;
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::{Outcome, State, Status, flip, integrator};
@@ -11,7 +11,7 @@ use flipmap_pendulum::{Outcome, State, Status, flip, integrator};
 pub(crate) const STEP_SECS: f64 = 1.0 / 120.0;
 
 /// Integrates one pendulum by plain RK4 in f64 at 120 steps per second.
-pub fn outcome(question: &Question, angle: [Dd; 2]) -> Outcome {
+pub fn outcome(question: &EventSpec, angle: [Dd; 2]) -> Outcome {
     let pendulum = question.build.pendulum();
     let steps = (question.budget_secs / STEP_SECS).round() as u32;
     let mut state = State::rest(angle.map(|theta| theta.hi));
@@ -31,7 +31,7 @@ pub fn outcome(question: &Question, angle: [Dd; 2]) -> Outcome {
 }
 
 /// Microseconds per start that the loop takes on one core.
-pub fn us_per_pixel(question: &Question, starts: &[[Dd; 2]]) -> f64 {
+pub fn us_per_pixel(question: &EventSpec, starts: &[[Dd; 2]]) -> f64 {
     let begun = Instant::now();
     for &angle in starts {
         std::hint::black_box(outcome(question, angle));

@@ -17,7 +17,7 @@ use super::statistics::{Errors, median};
 use super::{ReportError, StopTest, as_words};
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::{Cells, Effort, Engine, IntegratorConfig};
-use flipmap_numbers::{Fixed, Scalar, Theta};
+use flipmap_numbers::{Exact, Fixed, Scalar};
 use flipmap_pendulum::{Outcome, Pendulum, oracle};
 use flipmap_render::tiles::preview::preview;
 use flipmap_render::tiles::{Samples, Work};
@@ -155,7 +155,7 @@ impl FilamentPlace {
         let half = f64::from(SIDE) / 2.0;
         let [x, y] = [pixel as u32 % SIDE, pixel as u32 / SIDE].map(f64::from);
         let pixel_rad = self.width_rad() / f64::from(SIDE);
-        let by = [x + 0.5 - half, half - y - 0.5].map(|by| Theta::from_f64(by * pixel_rad));
+        let by = [x + 0.5 - half, half - y - 0.5].map(|by| Exact::from_f64(by * pixel_rad));
         let center = scene.view.center_rad();
         let angle = [0, 1].map(|i| (center[i] + by[i]).resized::<N>());
         let pendulum: Pendulum<Fixed<N>> = scene.build.pendulum_in();
@@ -269,7 +269,7 @@ impl Bench<'_> {
     ) -> Result<(f64, Effort), ReportError> {
         let (mut scene, mut times, mut effort) = (place.scene(), Vec::new(), Effort::default());
         self.picture(&scene, TIMED_SIDE, config, cells, engine)?;
-        let width = Theta::from_f64(place.width_rad());
+        let width = Exact::from_f64(place.width_rad());
         for _ in 0..ROUNDS {
             scene.view.center[0] = (scene.view.center_rad()[0] + width).to_string();
             let begun = Instant::now();

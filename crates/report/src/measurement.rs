@@ -9,7 +9,7 @@ use super::questions::measured_questions;
 use super::windows::{self, Window};
 use super::{Backend, plan};
 use flipmap_engine::IntegratorConfig;
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 
 /// A part of a report that can be measured by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -90,7 +90,7 @@ pub(super) enum Subject {
     /// A config at a deep place.
     Depth(IntegratorConfig, FilamentPlace),
     /// A question by a config.
-    Asked(IntegratorConfig, Ask),
+    Asked(IntegratorConfig, QuestionName),
     /// The samples of a short zoom.
     Zoom(ShortZoom),
     /// The frames of a film.

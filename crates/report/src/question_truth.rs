@@ -8,7 +8,7 @@ use flipmap_pendulum::phase::distance;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Accumulators, Outcome, State, Status, tangents};
 use flipmap_scene::Scene;
-use flipmap_scene::question::{Ending, Needs};
+use flipmap_scene::question::{Needs, QuestionInput};
 
 /// The channels of the true orbit from a start; `None` if it has no answer.
 pub(super) fn true_answer(scene: &Scene, start: State<Dd>) -> Option<Vec<f64>> {
@@ -31,8 +31,14 @@ pub(super) fn true_answer(scene: &Scene, start: State<Dd>) -> Option<Vec<f64>> {
         None => Outcome::without_time(Status::Unflipped),
     };
     let phase = pendulum.phase(&rounded(state));
-    let ending =
-        Ending { pendulum: &pendulum, unit_secs: 1.0, outcome, phase, secs: end.hi, gathered };
+    let ending = QuestionInput {
+        pendulum: &pendulum,
+        unit_secs: 1.0,
+        outcome,
+        phase,
+        secs: end.hi,
+        gathered,
+    };
     Some((kind.read)(&ending)[..kind.channels.len()].to_vec())
 }
 
@@ -122,11 +128,11 @@ fn nearest(scene: &Scene, start: State<Dd>, secs: f64) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_scene::question::Ask;
-    use flipmap_scene::{Budget, QuestionTable};
+    use flipmap_scene::question::QuestionName;
+    use flipmap_scene::{Budget, QuestionSettings};
 
-    fn scene(ask: Ask, secs: f64) -> Scene {
-        let question = QuestionTable { ask, budget: Budget::secs(secs), ..Default::default() };
+    fn scene(ask: QuestionName, secs: f64) -> Scene {
+        let question = QuestionSettings { ask, budget: Budget::secs(secs), ..Default::default() };
         Scene { question, ..Scene::default() }
     }
 
@@ -137,18 +143,18 @@ mod tests {
 
     #[test]
     fn events_and_times_give_the_answers() {
-        let time = true_answer(&scene(Ask::Flip, 10.0), falling()).unwrap();
-        let first = true_answer(&scene(Ask::First, 10.0), falling()).unwrap();
+        let time = true_answer(&scene(QuestionName::Flip, 10.0), falling()).unwrap();
+        let first = true_answer(&scene(QuestionName::First, 10.0), falling()).unwrap();
         assert_eq!(first, [2.0, time[0]], "the second bob is first");
-        assert!(true_answer(&scene(Ask::First, 0.1), falling()).is_none(), "not yet");
-        let still = true_answer(&scene(Ask::Flips, 0.1), falling()).unwrap();
+        assert!(true_answer(&scene(QuestionName::First, 0.1), falling()).is_none(), "not yet");
+        let still = true_answer(&scene(QuestionName::Flips, 0.1), falling()).unwrap();
         assert_eq!(still, [0.0; 4], "no pass is an answer, too");
-        let flips = true_answer(&scene(Ask::Flips, 8.0), falling()).unwrap();
-        let all = passes_until(orbit(&scene(Ask::Flips, 8.0), falling()), 8.0).len();
+        let flips = true_answer(&scene(QuestionName::Flips, 8.0), falling()).unwrap();
+        let all = passes_until(orbit(&scene(QuestionName::Flips, 8.0), falling()), 8.0).len();
         assert!(all > 1 && flips.iter().sum::<f64>() == all as f64, "{flips:?}");
-        let state = true_answer(&scene(Ask::State, 1.0), falling()).unwrap();
+        let state = true_answer(&scene(QuestionName::State, 1.0), falling()).unwrap();
         let [theta1, theta2] =
-            orbit(&scene(Ask::State, 1.0), falling()).state_at(Dd::new(1.0)).angle;
+            orbit(&scene(QuestionName::State, 1.0), falling()).state_at(Dd::new(1.0)).angle;
         let near = |a: f64, b: Dd| (a - b.wrapped().hi).abs() < 1e-12;
         assert!(near(state[0], theta1) && near(state[1], theta2), "{state:?}");
     }
@@ -157,7 +163,7 @@ mod tests {
     fn a_swing_in_a_normal_mode_returns_after_its_period() {
         // θ2 = √2 θ1 swings slowly, alike for all small angles; the distance is a square of them.
         let swing = State::rest([Dd::new(1e-3), Dd::new(1e-3 * 2f64.sqrt())]);
-        let scene = scene(Ask::Return, 4.0);
+        let scene = scene(QuestionName::Return, 4.0);
         let [distance, secs] = true_answer(&scene, swing).unwrap()[..] else { panic!() };
         let slow = scene.build.unit_secs() * std::f64::consts::TAU / (2.0 - 2f64.sqrt()).sqrt();
         assert!(distance < 1e-5 && (secs / slow - 1.0).abs() < 1e-3, "{distance} {secs} {slow}");

@@ -17,8 +17,8 @@ use flipmap_numbers::Dd;
 use flipmap_pendulum::{State, Status};
 use flipmap_render::tiles::preview::preview;
 use flipmap_render::tiles::{Samples, Work};
-use flipmap_scene::question::{Ask, Judgement};
-use flipmap_scene::{Budget, Fate, Grid, QuestionTable, Scene};
+use flipmap_scene::question::{Judgement, QuestionName};
+use flipmap_scene::{Budget, Fate, Grid, QuestionSettings, Scene};
 
 /// A question, answered by an engine with a config.
 #[derive(Clone, Debug, Serialize)]
@@ -54,8 +54,8 @@ const FIRST_SIDE: u32 = 8;
 const COMPARED: [usize; 2] = [256, 64];
 
 /// The questions that are measured here: first flips have chapters of their own.
-pub(super) fn measured_questions() -> impl Iterator<Item = Ask> {
-    Ask::ALL.into_iter().filter(|ask| !ask.is_time())
+pub(super) fn measured_questions() -> impl Iterator<Item = QuestionName> {
+    QuestionName::ALL.into_iter().filter(|ask| !ask.is_time())
 }
 
 /// The true channels of a pixel with this index; `None` where the true orbit has no answer.
@@ -69,14 +69,14 @@ impl Bench<'_> {
     /// Measures a question on the home map.
     pub(super) fn question(
         &self,
-        ask: Ask,
+        ask: QuestionName,
         config: IntegratorConfig,
         backend: &mut Backend,
         truths: &mut QuestionTruths,
     ) -> Result<QuestionRow, ReportError> {
         let Judgement { budget_secs, most_error, words, .. } = ask.kind().judged;
         let budget = Budget::secs(budget_secs);
-        let question = QuestionTable { ask, budget, ..QuestionTable::default() };
+        let question = QuestionSettings { ask, budget, ..QuestionSettings::default() };
         let scene = Scene { question, ..Scene::default() };
         self.map(&scene, FIRST_SIDE, config, backend)?;
         let begun = Instant::now();
@@ -125,7 +125,7 @@ impl Bench<'_> {
 }
 
 /// The error of an answer's channels; infinite if only one of answer and truth is there.
-fn error(ask: Ask, answer: Option<&[f64]>, truth: Option<&[f64]>) -> f64 {
+fn error(ask: QuestionName, answer: Option<&[f64]>, truth: Option<&[f64]>) -> f64 {
     match (answer, truth) {
         (Some(answer), Some(truth)) => (ask.kind().judged.error)(answer, truth),
         (None, None) => 0.0,
@@ -160,9 +160,9 @@ mod tests {
 
     #[test]
     fn an_answer_without_a_truth_is_infinitely_wrong() {
-        assert_eq!(error(Ask::Return, None, Some(&[0.1, 2.0])), f64::INFINITY);
-        assert_eq!(error(Ask::Return, Some(&[0.1, 2.0]), None), f64::INFINITY);
-        assert_eq!(error(Ask::Return, None, None), 0.0);
-        assert_eq!(error(Ask::Return, Some(&[0.5, 2.0]), Some(&[0.25, 2.0])), 0.25);
+        assert_eq!(error(QuestionName::Return, None, Some(&[0.1, 2.0])), f64::INFINITY);
+        assert_eq!(error(QuestionName::Return, Some(&[0.1, 2.0]), None), f64::INFINITY);
+        assert_eq!(error(QuestionName::Return, None, None), 0.0);
+        assert_eq!(error(QuestionName::Return, Some(&[0.5, 2.0]), Some(&[0.25, 2.0])), 0.25);
     }
 }

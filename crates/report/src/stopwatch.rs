@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::{ReportError, StopTest};
 use flipmap_engine::{
-    Effort, Engine, EngineError, IntegratorConfig, Job, JobResult, Keep, Question, Starts, Trust,
+    Effort, Engine, EngineError, EventSpec, IntegratorConfig, Job, JobResult, Keep, Starts, Trust,
     Wait,
 };
 use flipmap_numbers::Dd;
@@ -28,7 +28,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// Runs all `starts` in jobs of the engine's size, with as many in flight as it has slots.
 pub fn run(
     engine: &mut dyn Engine,
-    question: &Question,
+    question: &EventSpec,
     config: IntegratorConfig,
     starts: &[[Dd; 2]],
     stop: StopTest,
@@ -64,7 +64,7 @@ pub fn run(
 /// The engine's answers, job by job in the order of the starts.
 fn answers(
     engine: &mut dyn Engine,
-    question: &Question,
+    question: &EventSpec,
     config: IntegratorConfig,
     starts: &[[Dd; 2]],
     stop: StopTest,

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{ReportError, StopTest};
-use flipmap_engine::Question;
+use flipmap_engine::EventSpec;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, oracle};
 use flipmap_scene::{Fate, Grid, Scene};
@@ -14,7 +14,7 @@ const SIDE: u32 = 1024;
 /// The open starts of the home map.
 pub struct TestSet {
     /// The question that is asked about the starts.
-    pub question: Question,
+    pub question: EventSpec,
     /// All the open starts, in the order of the pixels.
     pub starts: Vec<[Dd; 2]>,
     /// Some of the starts, evenly spread, with the gold standard's answers.
@@ -25,7 +25,7 @@ impl TestSet {
     /// The test set of the home map, with the truth about `sample` of its starts.
     pub(crate) fn home(sample: usize, stop: StopTest) -> Result<Self, ReportError> {
         let scene = Scene::default();
-        let question = Question::from(&scene);
+        let question = EventSpec::from(&scene);
         let starts = open_starts(&scene, SIDE);
         let sample = spread(&starts, sample)
             .into_par_iter()
@@ -46,7 +46,7 @@ pub(super) fn open_starts(scene: &Scene, side: u32) -> Vec<[Dd; 2]> {
     fates.filter_map(open).collect()
 }
 
-fn truth(question: &Question, angle: [Dd; 2]) -> Outcome {
+fn truth(question: &EventSpec, angle: [Dd; 2]) -> Outcome {
     let angle = angle.map(|theta| theta.hi);
     oracle::outcome(&question.build.pendulum(), angle, question.rule, question.budget_secs)
 }

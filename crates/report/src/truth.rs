@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{ReportError, StopTest, stopwatch};
 use flipmap_engine::cpu::CpuEngine;
-use flipmap_engine::{IntegratorConfig, Method, Precision, Question};
+use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::{Outcome, oracle};
 
@@ -14,17 +14,17 @@ pub(crate) const FINEST: IntegratorConfig =
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-28 }, precision: Precision::Dd };
 
 /// The gold standard's outcomes in double-double, times as f64.
-pub(crate) fn oracle_dd(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+pub(crate) fn oracle_dd(question: &EventSpec, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     solve(question, starts, |theta| theta)
 }
 
 /// The gold standard's outcomes in f64.
-pub(crate) fn oracle_f64(question: &Question, starts: &[[Dd; 2]]) -> Vec<Outcome> {
+pub(crate) fn oracle_f64(question: &EventSpec, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     solve(question, starts, |theta| theta.hi)
 }
 
 fn solve<T: Scalar>(
-    question: &Question,
+    question: &EventSpec,
     starts: &[[Dd; 2]],
     as_scalar: fn(Dd) -> T,
 ) -> Vec<Outcome> {
@@ -39,7 +39,7 @@ fn solve<T: Scalar>(
 
 /// The processor's answers by [`FINEST`], in the order of the starts.
 pub(crate) fn finest(
-    question: &Question,
+    question: &EventSpec,
     starts: &[[Dd; 2]],
     threads: Option<usize>,
     stop: StopTest,

@@ -3,10 +3,10 @@
 use super::truth::{finest, oracle_f64};
 use super::{ReportError, StopTest};
 use crate::test_set::{open_starts, spread};
-use flipmap_engine::Question;
+use flipmap_engine::EventSpec;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Rule};
-use flipmap_scene::{Build, Kind, QuestionTable as Asked, Scene, View};
+use flipmap_scene::{Kind, PendulumSpec, QuestionSettings as Asked, Scene, View};
 
 /// Pixels along each side of a window from which the open starts are taken.
 const SIDE: u32 = 96;
@@ -21,7 +21,7 @@ pub(super) struct Window {
     /// Width of the window, rad.
     pub width: &'static str,
     /// Function that returns the pendulum.
-    pub build: fn() -> Build,
+    pub build: fn() -> PendulumSpec,
     /// The bob or bobs that are watched.
     pub rule: Rule,
     /// The kind of truth for the window.
@@ -37,13 +37,13 @@ pub(super) enum ComparedWith {
     Finest,
 }
 
-const RODS: fn() -> Build = || Build { kind: Kind::Rods, ..Build::default() };
+const RODS: fn() -> PendulumSpec = || PendulumSpec { kind: Kind::Rods, ..PendulumSpec::default() };
 
 const WHOLE: Window = Window {
     name: "",
     center: ["0", "0"],
     width: "6.283185307179586",
-    build: Build::default,
+    build: PendulumSpec::default,
     rule: Rule::Second,
     judge: ComparedWith::Oracle,
 };
@@ -66,13 +66,13 @@ pub(super) const WINDOWS: [Window; 12] = [
     deep("beside the energy curve, top", ["0.21", "2.88"], "0.1"),
     Window {
         name: "heavier and shorter below",
-        build: || Build::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81),
+        build: || PendulumSpec::new(Kind::Points, [1.0, 2.0], [1.0, 0.6], 9.81),
         ..WHOLE
     },
     Window { name: "rods", build: RODS, ..WHOLE },
     Window {
         name: "on the moon",
-        build: || Build::new(Kind::Points, [1.0; 2], [1.0; 2], 1.62),
+        build: || PendulumSpec::new(Kind::Points, [1.0; 2], [1.0; 2], 1.62),
         ..WHOLE
     },
     FIRST,
@@ -104,8 +104,8 @@ impl Window {
     }
 
     /// The question that is asked about the window's starts.
-    pub(super) fn question(&self) -> Question {
-        Question::from(&self.scene())
+    pub(super) fn question(&self) -> EventSpec {
+        EventSpec::from(&self.scene())
     }
 
     /// Returns `count` of the window's open starts, evenly spread.

@@ -1,8 +1,8 @@
 //! Angles as people write them: in rad, in degrees (`-95deg`, `-95°`) or in parts of π (`0.5pi`).
 
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 
-/// Number of digits after the point of angles that are converted: as many as [`Theta`] is read back from
+/// Number of digits after the point of angles that are converted: as many as [`Exact`] is read back from
 /// exactly, so that 180° is exactly the top.
 const DIGITS: usize = 140;
 
@@ -11,14 +11,14 @@ pub fn in_rad(text: &str) -> String {
     let text = text.trim();
     let in_degrees = || {
         let degrees = text.strip_suffix("deg").or_else(|| text.strip_suffix('°'))?;
-        Some(Theta::parse(degrees.trim_end())? * Theta::pi() / Theta::from_f64(180.0))
+        Some(Exact::parse(degrees.trim_end())? * Exact::pi() / Exact::from_f64(180.0))
     };
     let in_parts_of_pi = || {
         let parts = text.strip_suffix("pi").or_else(|| text.strip_suffix('π'))?;
         match parts.trim_end() {
-            "" | "+" => Some(Theta::pi()),
-            "-" => Some(-Theta::pi()),
-            parts => Some(Theta::parse(parts)? * Theta::pi()),
+            "" | "+" => Some(Exact::pi()),
+            "-" => Some(-Exact::pi()),
+            parts => Some(Exact::parse(parts)? * Exact::pi()),
         }
     };
     let rad = in_degrees().or_else(in_parts_of_pi);
@@ -44,7 +44,7 @@ mod tests {
             in_rad("180deg").starts_with("3.14159265358979323846264338327950288419716939937510")
         );
         for text in ["pi", "180deg", "1pi", "-180deg", "-pi"] {
-            assert_eq!(Theta::parse(&in_rad(text)).unwrap().abs(), Theta::pi(), "{text}");
+            assert_eq!(Exact::parse(&in_rad(text)).unwrap().abs(), Exact::pi(), "{text}");
         }
         // A text already in rad keeps every character, and a wrong one is reported as typed.
         for as_it_is in ["0.100", "1e-30", "deg", "fivedeg", "pipi", ""] {

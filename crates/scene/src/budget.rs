@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Build, View};
+use super::{PendulumSpec, View};
 use flipmap_numbers::Scalar;
 use flipmap_pendulum::growth::time_to_grow;
 
@@ -34,7 +34,7 @@ const STEP_UNITS: f64 = 15.660_459_763_365_825;
 const MAX_SETTLED: usize = 64;
 
 /// The automatic budgets settled last, in s: a scene is settled many times on its way.
-static SETTLED: Mutex<VecDeque<(Build, View, f64)>> = Mutex::new(VecDeque::new());
+static SETTLED: Mutex<VecDeque<(PendulumSpec, View, f64)>> = Mutex::new(VecDeque::new());
 
 impl Budget {
     /// A fixed budget of `secs` seconds.
@@ -43,7 +43,7 @@ impl Budget {
     }
 
     /// The same budget with a first guess of its seconds if it is automatic, from the width alone.
-    pub fn guessed(self, build: &Build, view: &View) -> Self {
+    pub fn guessed(self, build: &PendulumSpec, view: &View) -> Self {
         let secs = if self.auto {
             in_steps(build, expected_units(view.width_rad().to_f64()))
         } else {
@@ -57,7 +57,7 @@ impl Budget {
     /// the home map. Later flips are noise from pixel to pixel.
     ///
     /// Each decade of depth takes a few milliseconds, and more at great depths.
-    pub fn for_view(self, build: &Build, view: &View) -> Self {
+    pub fn for_view(self, build: &PendulumSpec, view: &View) -> Self {
         if !self.auto {
             return self;
         }
@@ -84,14 +84,14 @@ impl Budget {
 }
 
 /// The automatic budget of a view, in s, if it has been settled lately.
-fn known(build: &Build, view: &View) -> Option<f64> {
+fn known(build: &PendulumSpec, view: &View) -> Option<f64> {
     let settled = SETTLED.lock().unwrap_or_else(PoisonError::into_inner);
-    let same = |(other, seen, _): &&(Build, View, f64)| other == build && seen == view;
+    let same = |(other, seen, _): &&(PendulumSpec, View, f64)| other == build && seen == view;
     settled.iter().find(same).map(|(.., secs)| *secs)
 }
 
 /// The automatic budget of a view, in s.
-fn settle(build: &Build, view: &View) -> f64 {
+fn settle(build: &PendulumSpec, view: &View) -> f64 {
     let width = view.width_rad().to_f64();
     let most = MAX_WAITED * UNITS_A_DECADE * decades(width);
     let grown = || {
@@ -113,7 +113,7 @@ fn expected_units(width: f64) -> f64 {
 }
 
 /// The budget in s that lasts `units` units of time, at least that of the home map.
-fn in_steps(build: &Build, units: f64) -> f64 {
+fn in_steps(build: &PendulumSpec, units: f64) -> f64 {
     let steps = (units.max(MIN_UNITS) / STEP_UNITS).ceil();
     // Whole seconds for the default pendulum.
     (steps * STEP_UNITS * build.unit_secs() * 100.0).round() / 100.0
@@ -188,7 +188,8 @@ mod tests {
 
     #[test]
     fn automatic_budgets_follow_the_growth_in_the_middle() {
-        let secs = |center, width| AUTO.for_view(&Build::default(), &view(center, width)).secs;
+        let secs =
+            |center, width| AUTO.for_view(&PendulumSpec::default(), &view(center, width)).secs;
         let fast = ["1.1867310027236805013017550390625", "2.0440255543056208421702266796875"];
         assert_eq!([secs(fast, "6"), secs(fast, "1e-3"), secs(fast, "1e-20")], [30.0, 30.0, 60.0]);
         // Growth in the middle of a wide view says nothing about its rim.
@@ -196,7 +197,7 @@ mod tests {
         // Nothing grows in small swings, so the width decides.
         let slow = ["0.1", "0.1"];
         assert_eq!(secs(slow, "1e-20"), 70.0);
-        let moon = Build { gravity: (9.81 / 4.0).into(), ..Build::default() };
+        let moon = PendulumSpec { gravity: (9.81 / 4.0).into(), ..PendulumSpec::default() };
         assert_eq!(AUTO.for_view(&moon, &view(fast, "1")).secs, 60.0);
         assert_eq!(Budget::secs(7.0).for_view(&moon, &view(fast, "1e-50")).secs, 7.0);
     }
@@ -218,10 +219,10 @@ mod tests {
 
     #[test]
     fn a_guess_follows_the_width() {
-        let secs = |width| AUTO.guessed(&Build::default(), &view(["0", "0"], width)).secs;
+        let secs = |width| AUTO.guessed(&PendulumSpec::default(), &view(["0", "0"], width)).secs;
         assert_eq!((secs("6"), secs("1e-7")), (30.0, 30.0));
         assert_eq!((secs("1e-20"), secs("1e-50"), secs("1e-100")), (70.0, 170.0, 340.0));
-        assert_eq!(Budget::secs(7.0).guessed(&Build::default(), &View::default()).secs, 7.0);
+        assert_eq!(Budget::secs(7.0).guessed(&PendulumSpec::default(), &View::default()).secs, 7.0);
     }
 
     #[test]

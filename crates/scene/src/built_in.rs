@@ -65,7 +65,7 @@ impl BuiltIn {
 mod tests {
     use super::*;
     use crate::{Fate, Grid};
-    use flipmap_numbers::{Scalar, Theta};
+    use flipmap_numbers::{Exact, Scalar};
     use flipmap_pendulum::{Outcome, Status};
 
     #[test]
@@ -100,6 +100,6 @@ mod tests {
         assert!(forbidden("heavy") < forbidden("home") && forbidden("home") < forbidden("first"));
         assert_eq!(forbidden("island"), 0, "all have the energy");
         let tip = BuiltIn::named("tip").unwrap().document().view.center_rad();
-        assert!(tip[0] == Theta::ZERO && (tip[1] - Theta::pi()).to_f64().abs() < 1e-15);
+        assert!(tip[0] == Exact::ZERO && (tip[1] - Exact::pi()).to_f64().abs() < 1e-15);
     }
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::exact_length::exactly_if_given;
-use super::{Build, PictureTable, Plane, QuestionTable, Scene, SceneError, View};
+use super::{PendulumSpec, PictureTable, Plane, QuestionSettings, Scene, SceneError, View};
 
 /// The newest file format that this program reads, and the one that it writes.
 pub(super) const FORMAT: u32 = 1;
@@ -15,9 +15,9 @@ pub struct Document {
     /// Version of the file format.
     pub format: u32,
     /// The pendulum.
-    pub pendulum: Build,
+    pub pendulum: PendulumSpec,
     /// The question asked about every start.
-    pub question: QuestionTable,
+    pub question: QuestionSettings,
     /// The plane of starts.
     #[serde(skip_serializing_if = "is_plain")]
     pub plane: Plane,
@@ -89,8 +89,8 @@ impl Default for Document {
     fn default() -> Self {
         Document {
             format: FORMAT,
-            pendulum: Build::default(),
-            question: QuestionTable::default(),
+            pendulum: PendulumSpec::default(),
+            question: QuestionSettings::default(),
             plane: Plane::default(),
             view: View::default(),
             picture: PictureTable::default(),

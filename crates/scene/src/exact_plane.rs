@@ -5,9 +5,9 @@
 
 use super::lattice::{Cell, side_rad};
 use super::plane::{omega2_beside, speeds_on_section, square_of_omega1};
-use super::{Axis, Build, Plane};
+use super::{Axis, PendulumSpec, Plane};
 use flipmap_numbers::jet::Jet;
-use flipmap_numbers::{Angle, Scalar, Theta};
+use flipmap_numbers::{Angle, Exact, Scalar};
 use flipmap_pendulum::{Pendulum, Rule, State};
 
 /// A plane of starts in exact numbers.
@@ -17,7 +17,7 @@ pub struct ExactPlane {
     /// place of ω2.
     places: [usize; 2],
     /// The quantities that do not vary, rad and rad/s.
-    origin: [Theta; 4],
+    origin: [Exact; 4],
     /// Number of doublings of the lattice.
     doublings: u32,
     /// The energy from which both speeds follow, if it is a section.
@@ -27,25 +27,25 @@ pub struct ExactPlane {
 /// The energy of a section in J, and the pendulum in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Section {
-    energy: Theta,
-    pendulum: Pendulum<Theta>,
+    energy: Exact,
+    pendulum: Pendulum<Exact>,
 }
 
 impl ExactPlane {
     /// The torus of both angles, with pendulums released from rest.
     pub const AT_REST: ExactPlane =
-        ExactPlane { places: [0, 1], origin: [Theta::ZERO; 4], doublings: 0, section: None };
+        ExactPlane { places: [0, 1], origin: [Exact::ZERO; 4], doublings: 0, section: None };
 
     /// The exact plane of a checked one.
-    pub(crate) fn new(plane: &Plane, build: &Build) -> Self {
+    pub(crate) fn new(plane: &Plane, build: &PendulumSpec) -> Self {
         let axes = plane.axes();
         let section = axes.contains(&Axis::Momentum2).then(|| Section {
-            energy: Theta::from_f64(plane.energy),
+            energy: Exact::from_f64(plane.energy),
             pendulum: build.pendulum_in(),
         });
         let origin = match section {
-            Some(_) => [Theta::ZERO; 4],
-            None => [0, 1, 2, 3].map(|i| Theta::parse(&plane.origin[i]).unwrap_or(Theta::ZERO)),
+            Some(_) => [Exact::ZERO; 4],
+            None => [0, 1, 2, 3].map(|i| Exact::parse(&plane.origin[i]).unwrap_or(Exact::ZERO)),
         };
         let doublings = plane.lattice_doublings(build);
         ExactPlane { places: axes.map(Axis::place), origin, doublings, section }
@@ -67,7 +67,7 @@ impl ExactPlane {
     /// Returns true if its starts are at rest.
     pub fn is_at_rest(&self) -> bool {
         let is_still =
-            |place: usize| !self.places.contains(&place) && self.origin[place] == Theta::ZERO;
+            |place: usize| !self.places.contains(&place) && self.origin[place] == Exact::ZERO;
         self.is_flat() && is_still(2) && is_still(3)
     }
 
@@ -79,7 +79,7 @@ impl ExactPlane {
     }
 
     /// A position in the units of the axes as one in the lattice.
-    pub fn to_lattice(&self, at: [Theta; 2]) -> [Theta; 2] {
+    pub fn to_lattice(&self, at: [Exact; 2]) -> [Exact; 2] {
         at.map(|x| x.halved(self.doublings))
     }
 
@@ -90,21 +90,21 @@ impl ExactPlane {
 
     /// The start at a point of a cell, in [−1, 1]²; angles in (−π, π] rad, speeds in rad/s. None
     /// where a section has no real solution.
-    pub fn start(&self, cell: &Cell, at: [f64; 2]) -> Option<State<Theta>> {
-        let half = Theta::from_f64(self.half_side(cell.level));
+    pub fn start(&self, cell: &Cell, at: [f64; 2]) -> Option<State<Exact>> {
+        let half = Exact::from_f64(self.half_side(cell.level));
         let center = cell.center().map(|middle| middle.doubled(self.doublings));
-        self.start_at([0, 1].map(|i| center[i] + Theta::from_f64(at[i]) * half))
+        self.start_at([0, 1].map(|i| center[i] + Exact::from_f64(at[i]) * half))
     }
 
     /// The start at a position in the units of the axes; angles in (−π, π] rad, speeds in rad/s. None
     /// where a section has no real solution.
-    pub(crate) fn start_at(&self, position: [Theta; 2]) -> Option<State<Theta>> {
+    pub(crate) fn start_at(&self, position: [Exact; 2]) -> Option<State<Exact>> {
         let mut start = self.origin;
         for (place, value) in self.places.into_iter().zip(position) {
             start[place] = value;
         }
         let [theta1, theta2, omega1, last] = start;
-        let angle = [theta1, theta2].map(Theta::wrapped);
+        let angle = [theta1, theta2].map(Exact::wrapped);
         let speed = match &self.section {
             None => [omega1, last],
             Some(Section { energy, pendulum }) => {
@@ -149,25 +149,25 @@ mod tests {
 
     #[test]
     fn starts_of_a_cell_are_those_of_the_plane() {
-        let build = Build::default();
+        let build = PendulumSpec::default();
         let origin = ["0.5", "-1.25", "3", "-0.5"].map(str::to_string);
         for kind in ["angles", "speeds", "first", "omega2,theta1", "section"] {
             let kind: PlaneKind = kind.parse().unwrap();
             let plane = Plane { kind, origin: origin.clone(), energy: 3.0 };
             let exact = ExactPlane::new(&plane, &build);
             assert!(!exact.is_at_rest());
-            let place = [0.75, -0.5].map(Theta::from_f64);
+            let place = [0.75, -0.5].map(Exact::from_f64);
             let turns = exact.to_lattice(place).map(Turn::from_theta);
             let cell = Cell::at(turns, 40);
             let at = cell.point(turns);
             let start = exact.start(&cell, at).unwrap();
-            let want = plane.launch(&build.pendulum_in(), place.map(Theta::to_dd)).unwrap();
-            let near = |a: Theta, b: Dd| (a.to_dd() - b).abs().to_f64() < 1e-22;
+            let want = plane.launch(&build.pendulum_in(), place.map(Exact::to_dd)).unwrap();
+            let near = |a: Exact, b: Dd| (a.to_dd() - b).abs().to_f64() < 1e-22;
             assert!((0..2).all(|i| near(start.angle[i], want.angle[i])), "{kind}");
             assert!((0..2).all(|i| near(start.speed[i], want.speed[i])), "{kind}");
             let middle = exact.start(&cell, [0.0; 2]).unwrap();
             let [a1, a2, w1, w2] = exact.differences(&cell).unwrap().map(|jet| jet.at(at));
-            let by = |now: Theta, then: Theta| (now - then).to_f64();
+            let by = |now: Exact, then: Exact| (now - then).to_f64();
             let moved = [
                 by(start.angle[0], middle.angle[0]) - a1,
                 by(start.angle[1], middle.angle[1]) - a2,
@@ -185,11 +185,11 @@ mod tests {
 
     #[test]
     fn a_section_ends_where_its_energy_does() {
-        let build = Build::default();
+        let build = PendulumSpec::default();
         let plane = Plane { kind: PlaneKind::Section, energy: 0.0, ..Plane::default() };
         let exact = ExactPlane::new(&plane, &build);
         let cell = |p2: f64| {
-            let place = exact.to_lattice([0.5, p2].map(Theta::from_f64));
+            let place = exact.to_lattice([0.5, p2].map(Exact::from_f64));
             Cell::around(place, 60)
         };
         assert!(exact.start(&cell(3.0), [0.0; 2]).is_some());

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::exact_length::exactly;
 use super::keys::Key;
-use super::{Axis, Budget, Build, Plane, QuestionTable, Scene, SceneError, View};
-use flipmap_numbers::{Decimal, Scalar, Theta};
+use super::{Axis, Budget, PendulumSpec, Plane, QuestionSettings, Scene, SceneError, View};
+use flipmap_numbers::{Decimal, Exact, Scalar};
 
 /// Frames of one size along a path of keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -219,7 +219,7 @@ impl Film {
             false => mix(a.value(), b.value()).into(),
         };
         let pair = |a: [Decimal; 2], b: [Decimal; 2]| [exact(a[0], b[0]), exact(a[1], b[1])];
-        let build = Build {
+        let build = PendulumSpec {
             kind: a.build.kind,
             masses: pair(a.build.masses, b.build.masses),
             lengths: pair(a.build.lengths, b.build.lengths),
@@ -231,7 +231,7 @@ impl Film {
         let evenly = mix(a.question.budget.secs, b.question.budget.secs);
         let budget = Budget::on_the_way(ends, &view).map_or(evenly, |secs| secs.min(evenly));
         let at = a.question.at.zip(b.question.at).map(|(a, b)| mix(a, b));
-        let question = QuestionTable { budget: Budget::secs(budget), at, ..a.question };
+        let question = QuestionSettings { budget: Budget::secs(budget), at, ..a.question };
         let plane = Plane { energy: mix(a.plane.energy, b.plane.energy), ..a.plane };
         let clock_secs = from.clock.zip(to.clock).map(|(a, b)| mix(a, b));
         Shot { scene: Scene { build, question, view, plane }, clock_secs }
@@ -252,9 +252,9 @@ fn between_views(a: &View, b: &View, share: f64, wraps: [bool; 2]) -> View {
     // Twelve digits below the width tell the pixels of any frame apart.
     let digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
     let center = [0, 1].map(|i| {
-        let near = |x: Theta| if wraps[i] { x.wrapped() } else { x };
+        let near = |x: Exact| if wraps[i] { x.wrapped() } else { x };
         let way = near(from[i] - to[i]);
-        near(to[i] + way * Theta::from_f64(left)).decimal(digits)
+        near(to[i] + way * Exact::from_f64(left)).decimal(digits)
     });
     View {
         center,
@@ -314,7 +314,7 @@ mod tests {
             // The fixed point of the whole zoom, measured from the middle in widths of the view.
             let [a, b] = [0, 10].map(|k: usize| shots[k].view.center_rad());
             let fixed = [0, 1].map(|i| {
-                b[i] + (a[i] - b[i]) * Theta::from_f64(-width(10) / (width(0) - width(10)))
+                b[i] + (a[i] - b[i]) * Exact::from_f64(-width(10) / (width(0) - width(10)))
             });
             let place = |k: usize| {
                 let center = shots[k].view.center_rad();

@@ -6,7 +6,7 @@ pub use self::fate::Fate;
 use super::leaf_grid::{Grouped, LeafGrid};
 use super::plane::{PlaneNumbers, wrapped};
 use super::{Axis, ExactPlane, Sampling, Scene};
-use flipmap_numbers::{Angle, Dd, Scalar, Theta};
+use flipmap_numbers::{Angle, Dd, Exact, Scalar};
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::{Launch, Pendulum, Rule, State};
 
@@ -15,7 +15,7 @@ use flipmap_pendulum::{Launch, Pendulum, Rule, State};
 pub struct Grid {
     size: [u32; 2],
     center: [Dd; 2],
-    exact_center: [Theta; 2],
+    exact_center: [Exact; 2],
     spots: LeafGrid,
     /// Change of (θ1, θ2) per pixel to the right, rad; `up` is the change per pixel upwards.
     right: [Dd; 2],
@@ -28,7 +28,7 @@ pub struct Grid {
     pendulum: Pendulum<f64>,
     exact: Pendulum<Dd>,
     /// The pendulum in reduced units, and its unit of time in s.
-    reduced: (Pendulum<Theta>, Theta),
+    reduced: (Pendulum<Exact>, Exact),
     /// True if the energy that all starts of a section share forbids every flip; none on other planes.
     forbids_section: Option<bool>,
     rule: Rule,
@@ -71,7 +71,7 @@ impl Grid {
     }
 
     /// The grid of `size` pixels, each `pixel` rad square, upright whatever the scene's view.
-    pub fn square(scene: &Scene, center: [Theta; 2], pixel: Dd, size: [u32; 2]) -> Self {
+    pub fn square(scene: &Scene, center: [Exact; 2], pixel: Dd, size: [u32; 2]) -> Self {
         let zero = Dd::new(0.0);
         Grid::spanned(scene, center, [pixel, zero], [zero, pixel], size)
     }
@@ -91,7 +91,7 @@ impl Grid {
 
     fn spanned(
         scene: &Scene,
-        center: [Theta; 2],
+        center: [Exact; 2],
         right: [Dd; 2],
         up: [Dd; 2],
         size: [u32; 2],
@@ -100,12 +100,12 @@ impl Grid {
         let has_cells =
             scene.has_cells() && Self::is_reached(&exact_plane, center, [right, up], size);
         let leaf_plane = if has_cells { &exact_plane } else { &ExactPlane::AT_REST };
-        let reduced = scene.build.reduced_in::<Theta>();
+        let reduced = scene.build.reduced_in::<Exact>();
         let rule = scene.question.watched();
         let budget = scene.question.end_secs() / reduced.1.to_f64();
         Grid {
             size,
-            center: center.map(Theta::to_dd),
+            center: center.map(Exact::to_dd),
             exact_center: center,
             spots: LeafGrid::new(leaf_plane, center, [right, up]),
             right,
@@ -197,9 +197,9 @@ impl Grid {
 
     /// The start of a pixel to all digits: angles in (−π, π] rad, speeds in rad/s; none where a section
     /// has no real solution.
-    pub fn exact_start(&self, column: u32, row: u32) -> Option<State<Theta>> {
-        let [x, y] = self.pixels_from_center(column, row).map(Theta::from_f64);
-        let along = |by: [Dd; 2]| by.map(Theta::from_dd);
+    pub fn exact_start(&self, column: u32, row: u32) -> Option<State<Exact>> {
+        let [x, y] = self.pixels_from_center(column, row).map(Exact::from_f64);
+        let along = |by: [Dd; 2]| by.map(Exact::from_dd);
         let (right, up) = (along(self.right), along(self.up));
         let position = [0, 1].map(|i| self.exact_center[i] + (x * right[i] + y * up[i]));
         self.exact_plane.start_at(position)
@@ -272,7 +272,7 @@ impl Grid {
     }
 
     /// The start of a pixel to all digits, with speeds in reduced units.
-    fn exact_reduced(&self, column: u32, row: u32) -> Option<State<Theta>> {
+    fn exact_reduced(&self, column: u32, row: u32) -> Option<State<Exact>> {
         let start = self.exact_start(column, row)?;
         Some(State { speed: start.speed.map(|speed| speed * self.reduced.1), ..start })
     }
@@ -280,13 +280,13 @@ impl Grid {
     /// Returns true if the lattice reaches all starts of a picture.
     fn is_reached(
         plane: &ExactPlane,
-        center: [Theta; 2],
+        center: [Exact; 2],
         [right, up]: [[Dd; 2]; 2],
         size: [u32; 2],
     ) -> bool {
         let [width, height] = size.map(f64::from);
         let half = [0, 1].map(|i| 0.5 * (width * right[i].hi.abs() + height * up[i].hi.abs()));
-        plane.reaches(center.map(Theta::to_f64), half)
+        plane.reaches(center.map(Exact::to_f64), half)
     }
 
     /// The plane of the cells of starts that can be followed; none where the starts move faster than
@@ -322,7 +322,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{QuestionTable, View};
+    use crate::{QuestionSettings, View};
     use flipmap_pendulum::{Outcome, Status};
 
     fn grid(view: View, size: [u32; 2]) -> Grid {
@@ -406,7 +406,7 @@ mod tests {
                 width: "1e-30".into(),
                 ..View::default()
             };
-            let question = QuestionTable { rule, ..QuestionTable::default() };
+            let question = QuestionSettings { rule, ..QuestionSettings::default() };
             let scene = Scene { view, question, ..Scene::default() };
             Grid::new(&scene, [1, 1]).fate(0, 0)
         };

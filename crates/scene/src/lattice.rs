@@ -27,7 +27,7 @@
 
 use crate::leaf_grid::Grouped;
 use crate::{Grid, Scene, Turn};
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 
 /// Samples along each side of a cell.
 pub const SIDE: u32 = 64;
@@ -51,7 +51,7 @@ pub struct Cell {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
     /// Centre (θ1, θ2) in rad.
-    pub center: [Theta; 2],
+    pub center: [Exact; 2],
     /// Half the extent along θ1 and θ2 in rad.
     pub half_rad: [f64; 2],
     /// True if cells repeat beyond ±π, as on the torus; else nothing lies there.
@@ -82,7 +82,7 @@ impl Cell {
     pub const WHOLE: Cell = Cell { level: 0, x: Turn::ZERO, y: Turn::ZERO };
 
     /// The cell of a level in which a start lies.
-    pub fn around(angle: [Theta; 2], level: u32) -> Cell {
+    pub fn around(angle: [Exact; 2], level: u32) -> Cell {
         Cell::at(angle.map(Turn::from_theta), level)
     }
 
@@ -93,7 +93,7 @@ impl Cell {
     }
 
     /// Middle of the cell in rad, in (−π, π); exactly odd about the origin.
-    pub fn center(&self) -> [Theta; 2] {
+    pub fn center(&self) -> [Exact; 2] {
         self.middle().map(Turn::to_theta)
     }
 
@@ -183,14 +183,14 @@ impl Cell {
     /// top.
     pub fn grid(&self, scene: &Scene, samples: u32) -> Grid {
         let doublings = scene.plane.lattice_doublings(&scene.build);
-        let side = Theta::pi().doubled(1 + doublings).halved(self.level);
-        let pixel = side / Theta::from_f64(f64::from(samples));
+        let side = Exact::pi().doubled(1 + doublings).halved(self.level);
+        let pixel = side / Exact::from_f64(f64::from(samples));
         let center = self.center().map(|middle| middle.doubled(doublings));
         Grid::square(scene, center, pixel.to_dd(), [samples; 2])
     }
 
     /// Column and row of the sample nearest to a start inside the cell.
-    pub fn sample_at(&self, angle: [Theta; 2]) -> [u32; 2] {
+    pub fn sample_at(&self, angle: [Exact; 2]) -> [u32; 2] {
         let center = self.center();
         let pitch = pitch_rad(self.level);
         let place = |i: usize| (angle[i] - center[i]).wrapped().to_f64() / pitch;
@@ -229,7 +229,7 @@ impl Region {
 
     /// The left or lower sides of the cells along an axis, not wrapped.
     fn sides(&self, axis: usize, level: u32) -> Vec<Turn> {
-        let half = Theta::from_f64(self.half_rad[axis]);
+        let half = Exact::from_f64(self.half_rad[axis]);
         let first = Turn::from_theta(self.center[axis] - half).floor(level);
         let last = Turn::from_theta(self.center[axis] + half).floor(level);
         let next = |at: &Turn| Some(*at + Turn::side(level)).filter(|next| *next <= last);
@@ -266,7 +266,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn region(center: [f64; 2], half: f64) -> Region {
-        Region { center: center.map(Theta::from_f64), half_rad: [half; 2], repeats: true }
+        Region { center: center.map(Exact::from_f64), half_rad: [half; 2], repeats: true }
     }
 
     fn cells() -> impl Strategy<Value = Cell> {
@@ -314,7 +314,7 @@ mod tests {
         }
         // Any point of the region lies in one of them.
         for (dx, dy) in [(-0.5, -0.5), (0.5, 0.5), (0.0, 0.1), (-0.49, 0.3)] {
-            let angle = [0.3 + dx, -0.2 + dy].map(Theta::from_f64);
+            let angle = [0.3 + dx, -0.2 + dy].map(Exact::from_f64);
             let around = Cell::around(angle, 4);
             assert!(cells.iter().any(|placed| placed.cell == around));
         }
@@ -338,7 +338,7 @@ mod tests {
         let cell = Cell { level: 5, x: Turn::from_f64(7.0 / 32.0), y: Turn::from_f64(20.0 / 32.0) };
         let grid = cell.grid(&Scene::default(), SIDE);
         for (column, row) in [(0, 0), (63, 63), (5, 45)] {
-            let start = grid.angle_from_pixel(column, row).map(Theta::from_dd);
+            let start = grid.angle_from_pixel(column, row).map(Exact::from_dd);
             assert_eq!(cell.sample_at(start), [column, row]);
         }
         let image = cell.mirrored().grid(&Scene::default(), SIDE);
@@ -348,7 +348,7 @@ mod tests {
 
     #[test]
     fn samples_are_shared_out_to_leaves() {
-        let cell = Cell::around([2.2, -1.9].map(Theta::from_f64), 20);
+        let cell = Cell::around([2.2, -1.9].map(Exact::from_f64), 20);
         for (samples, leaf, leaves, level) in [(128, 64, 4, 21), (128, 16, 64, 23), (32, 64, 1, 19)]
         {
             let groups = cell.leaves(samples, leaf);
@@ -359,7 +359,7 @@ mod tests {
                 for (place, [x, y]) in points {
                     let start = grid.angle_from_pixel(place % samples, place / samples);
                     let there =
-                        leaf.point(start.map(|angle| Turn::from_theta(Theta::from_dd(angle))));
+                        leaf.point(start.map(|angle| Turn::from_theta(Exact::from_dd(angle))));
                     assert!((there[0] - x).abs() < 1e-9 && (there[1] - y).abs() < 1e-9);
                 }
             }

@@ -6,7 +6,7 @@
 use super::ExactPlane;
 use super::lattice::Cell;
 use super::turn::Turn;
-use flipmap_numbers::{Dd, Scalar, Theta};
+use flipmap_numbers::{Dd, Exact, Scalar};
 
 /// Pixels by the leaf in which they lie: for each its place among all and its point in [−1, 1]².
 pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
@@ -24,10 +24,10 @@ pub(super) struct LeafGrid {
 impl LeafGrid {
     /// The places of a plane's grid around `center`, with the steps to the right and upwards per
     /// pixel; all in the units of the plane's axes.
-    pub(super) fn new(plane: &ExactPlane, center: [Theta; 2], steps: [[Dd; 2]; 2]) -> Self {
-        let from_zero = |by: Theta| Turn::from_theta(by) - Turn::from_theta(Theta::ZERO);
-        let [right, up] = steps.map(|step| plane.to_lattice(step.map(Theta::from_dd)));
-        let length = |by: [Theta; 2]| by[0].to_f64().hypot(by[1].to_f64());
+    pub(super) fn new(plane: &ExactPlane, center: [Exact; 2], steps: [[Dd; 2]; 2]) -> Self {
+        let from_zero = |by: Exact| Turn::from_theta(by) - Turn::from_theta(Exact::ZERO);
+        let [right, up] = steps.map(|step| plane.to_lattice(step.map(Exact::from_dd)));
+        let length = |by: [Exact; 2]| by[0].to_f64().hypot(by[1].to_f64());
         let pixel = (length(right) * length(up)).sqrt();
         LeafGrid {
             middle: plane.to_lattice(center).map(Turn::from_theta),

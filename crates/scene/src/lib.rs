@@ -37,17 +37,17 @@ pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
 pub use picture::{PictureTable, Sampling, Scale, Shown};
 pub use plane::{Axis, Plane, PlaneKind};
-pub use question_table::QuestionTable;
+pub use question_table::QuestionSettings;
 pub use scene_error::SceneError;
 pub use turn::Turn;
-pub use upright::UprightGrid;
+pub use upright::SeparableGrid;
 pub use view::{MIN_WIDTH, View};
-pub use words::Word;
+pub use words::Setting;
 
 use serde::{Deserialize, Serialize};
 
 use self::exact_length::exactly;
-use crate::question::Ask;
+use crate::question::QuestionName;
 use flipmap_numbers::{Dd, Decimal, Scalar};
 use flipmap_pendulum::{Pendulum, Rule};
 
@@ -71,7 +71,7 @@ impl Kind {
 /// A pendulum as people build it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Build {
+pub struct PendulumSpec {
     /// Bobs or bars.
     pub kind: Kind,
     /// Masses m1, m2 in kg.
@@ -91,18 +91,18 @@ fn is_frictionless(friction: &[Decimal; 2]) -> bool {
     friction.iter().all(|b| b.value() == 0.0)
 }
 
-impl Default for Build {
+impl Default for PendulumSpec {
     fn default() -> Self {
-        Build::new(Kind::Points, [1.0; 2], [1.0; 2], 9.81)
+        PendulumSpec::new(Kind::Points, [1.0; 2], [1.0; 2], 9.81)
     }
 }
 
-impl Build {
+impl PendulumSpec {
     /// A pendulum of masses in kg, lengths in m and gravity in m/s².
     pub fn new(kind: Kind, masses: [f64; 2], lengths: [f64; 2], gravity: f64) -> Self {
         let [masses, lengths] = [masses, lengths].map(|pair| pair.map(Decimal::from));
         let friction = [0.0.into(); 2];
-        Build { kind, masses, lengths, gravity: gravity.into(), friction }
+        PendulumSpec { kind, masses, lengths, gravity: gravity.into(), friction }
     }
 
     /// Masses m1, m2 as the nearest f64, in kg.
@@ -175,9 +175,9 @@ impl Build {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// The pendulum.
-    pub build: Build,
+    pub build: PendulumSpec,
     /// The question asked about every start.
-    pub question: QuestionTable,
+    pub question: QuestionSettings,
     /// The part of the plane that is shown.
     pub view: View,
     /// The plane of starts that it is part of.
@@ -192,7 +192,7 @@ impl Scene {
         let refuse = |setting, value: &dyn std::fmt::Debug, range: &'static str| {
             Err(SceneError::new(setting, format!("{value:?}"), range))
         };
-        let Build { masses, lengths, gravity, .. } = self.build;
+        let PendulumSpec { masses, lengths, gravity, .. } = self.build;
         if let Some(mass) = masses.iter().find(|m| !WIDE.contains(&m.value())) {
             return refuse("masses", mass, "each mass must lie between 1e-9 and 1e9 kg");
         }
@@ -248,7 +248,9 @@ impl Scene {
     /// Returns true if it asks for the flips of pendulums released from rest, the question and the
     /// plane that every part of the program knows.
     pub fn is_flip_from_rest(&self) -> bool {
-        self.question.ask == Ask::Flip && self.question.count == 1 && self.plane.is_at_rest()
+        self.question.ask == QuestionName::Flip
+            && self.question.count == 1
+            && self.plane.is_at_rest()
     }
 
     /// Returns true if cells of starts can be followed: their polynomials answer the question.
@@ -261,7 +263,7 @@ impl Scene {
         let Scene { question, plane, .. } = self;
         let range = "here only flips of pendulums released from rest are possible; flipmap render \
                      takes every question and plane";
-        if question.ask != Ask::Flip {
+        if question.ask != QuestionName::Flip {
             let value = question.ask.to_string();
             return Err(SceneError::new("ask", value, range));
         }
@@ -299,12 +301,12 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_numbers::Theta;
+    use flipmap_numbers::Exact;
 
     #[test]
     fn the_five_numbers_are_right_to_the_last_digit_of_every_type() {
         fn error<T: Scalar>(kind: Kind) -> f64 {
-            let build = Build::new(kind, [0.1, 0.7], [1.0, 0.6], 1.62);
+            let build = PendulumSpec::new(kind, [0.1, 0.7], [1.0, 0.6], 1.62);
             let (reduced, unit) = build.reduced_in::<T>();
             let plain = build.pendulum_in::<T>();
             let (same, unit_too) = plain.reduced();
@@ -317,13 +319,13 @@ mod tests {
         for (_, kind) in Kind::ALL {
             assert!(error::<f64>(kind) < 4e-15, "{kind:?}");
             assert!(error::<Dd>(kind) < 1e-30, "{kind:?} {:e}", error::<Dd>(kind));
-            assert!(error::<Theta>(kind) < 1e-131, "{kind:?} {:e}", error::<Theta>(kind));
+            assert!(error::<Exact>(kind) < 1e-131, "{kind:?} {:e}", error::<Exact>(kind));
         }
     }
 
     #[test]
     fn a_pendulum_is_built_from_decimals_and_not_from_floats() {
-        let build = Build::new(Kind::Points, [1.0, 1.0], [1.0, 0.6], 9.81);
+        let build = PendulumSpec::new(Kind::Points, [1.0, 1.0], [1.0, 0.6], 9.81);
         let tenths = build.pendulum_in::<Dd>().q * Dd::new(1000.0);
         assert!((tenths - Dd::new(5886.0)).abs().hi < 1e-27, "{tenths}");
     }

@@ -4,7 +4,7 @@
 //! The words are those of the command line. Centre and width are always present, the other words
 //! only where they differ from the home scene.
 
-use super::words::{Word, set_all};
+use super::words::{Setting, set_all};
 use super::{Scene, SceneError};
 
 /// Prefix of every location.
@@ -42,9 +42,9 @@ pub enum LocationError {
 pub fn text(scene: &Scene) -> String {
     let home = Scene::default();
     let mut parts = Vec::new();
-    for (setting, word) in Word::ALL {
+    for (setting, word) in Setting::ALL {
         let text = word.text(scene);
-        if matches!(word, Word::Center | Word::Width) || text != word.text(&home) {
+        if matches!(word, Setting::Center | Setting::Width) || text != word.text(&home) {
             parts.push(format!("{setting}={text}"));
         }
     }
@@ -70,11 +70,11 @@ pub fn parse(text: &str) -> Result<Scene, LocationError> {
     Ok(scene.checked()?)
 }
 
-fn known(key: &str) -> Result<Word, LocationError> {
-    let found = Word::ALL.iter().find(|(setting, _)| *setting == key);
+fn known(key: &str) -> Result<Setting, LocationError> {
+    let found = Setting::ALL.iter().find(|(setting, _)| *setting == key);
     found.map(|(_, word)| *word).ok_or_else(|| LocationError::Unknown {
         word: key.to_string(),
-        known: Word::ALL.map(|(setting, _)| setting).join(", "),
+        known: Setting::ALL.map(|(setting, _)| setting).join(", "),
     })
 }
 
@@ -94,7 +94,7 @@ fn three_numbers(text: &str) -> Result<Scene, LocationError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BUILT_IN, Budget, Build, Kind, QuestionTable, View};
+    use crate::{BUILT_IN, Budget, Kind, PendulumSpec, QuestionSettings, View};
     use flipmap_pendulum::Rule;
     use proptest::prelude::*;
 
@@ -108,10 +108,10 @@ mod tests {
         assert_eq!(text(&scene), "flipmap:center=0,0;width=6.283185307179586");
         scene.view.center = ["-1.66".into(), "0.1".into()];
         scene.view.width = "0.4".into();
-        scene.question = QuestionTable {
+        scene.question = QuestionSettings {
             rule: Rule::Either,
             budget: Budget::secs(60.0),
-            ..QuestionTable::default()
+            ..QuestionSettings::default()
         };
         let line = "flipmap:center=-1.66,0.1;width=0.4;budget=60;rule=either";
         assert_eq!(text(&scene), line);
@@ -181,11 +181,11 @@ mod tests {
                 |(masses, lengths, gravity, budget, rule, kind, view, rotate, stretch)| {
                     let (center, width) = view;
                     Scene {
-                        build: Build::new(kind, masses, lengths, gravity),
-                        question: QuestionTable {
+                        build: PendulumSpec::new(kind, masses, lengths, gravity),
+                        question: QuestionSettings {
                             rule,
                             budget: Budget::secs(budget),
-                            ..QuestionTable::default()
+                            ..QuestionSettings::default()
                         },
                         view: View { center, width, rotate, stretch, fit: false },
                         ..Scene::default()

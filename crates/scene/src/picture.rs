@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::SceneError;
 use super::palette::{Ground, GroundTable, Palette, rise};
-use crate::question::{Ask, ChannelScale, Painted};
+use crate::question::{ChannelScale, Painted, QuestionName};
 pub use sampling::Sampling;
 
 /// The table `[picture]` of a scene's file. Keys added after the first release are written only
@@ -205,7 +205,7 @@ impl PictureTable {
 
     /// Returns true if a picture of a question has several samples only in pixels where colours change:
     /// one with a single time, which is the same all over a pixel that looks so.
-    pub fn is_adaptive(&self, ask: Ask) -> bool {
+    pub fn is_adaptive(&self, ask: QuestionName) -> bool {
         let several = self.adaptive && self.samples.along() > 1;
         several && ask.is_time() && ask.kind().channels.len() == 1
     }
@@ -225,7 +225,7 @@ impl PictureTable {
     }
 
     /// The part of a question's answers that is shown.
-    pub fn shown(&self, ask: Ask) -> Result<Shown, SceneError> {
+    pub fn shown(&self, ask: QuestionName) -> Result<Shown, SceneError> {
         let Some(name) = &self.channel else { return Ok(Shown::Natural) };
         if let Some((_, tint)) = ask.kind().tint.filter(|(tint, _)| tint == name) {
             return Ok(Shown::Tint(tint));
@@ -235,7 +235,7 @@ impl PictureTable {
     }
 
     /// Returns true if the colours are those of times, for a question that has the channel.
-    pub fn paints_times(&self, ask: Ask) -> bool {
+    pub fn paints_times(&self, ask: QuestionName) -> bool {
         let kind = ask.kind();
         let channel = match self.shown(ask) {
             Ok(Shown::Channel(channel)) => Some(channel),

@@ -9,7 +9,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::angle_text::in_rad;
 use super::exact_length::exactly;
-use super::{Build, SceneError};
+use super::{PendulumSpec, SceneError};
 use flipmap_numbers::{Dd, Real, Scalar};
 use flipmap_pendulum::{Launch, Pendulum};
 
@@ -165,7 +165,7 @@ impl Plane {
     /// Number of doublings by which the lattice, a square from −π to π, is enlarged to cover the
     /// plane in the units of its axes: none for a torus, else as many as reach [`FASTEST`] or all
     /// momenta of a section. Angles then repeat across it.
-    pub fn lattice_doublings(&self, build: &Build) -> u32 {
+    pub fn lattice_doublings(&self, build: &PendulumSpec) -> u32 {
         if self.is_torus() {
             return 0;
         }
@@ -180,7 +180,7 @@ impl Plane {
     }
 
     /// Checks that every number can be used for this pendulum.
-    pub(crate) fn check(&self, build: &Build) -> Result<(), SceneError> {
+    pub(crate) fn check(&self, build: &PendulumSpec) -> Result<(), SceneError> {
         let refuse = |setting, value: String, range: &'static str| {
             Err(SceneError::new(setting, value, range))
         };
@@ -377,7 +377,7 @@ mod tests {
 
     #[test]
     fn a_section_has_its_energy_and_no_start_beyond_it() {
-        let build = Build::default();
+        let build = PendulumSpec::default();
         let pendulum = build.pendulum_in::<Dd>();
         for energy in [-5.0, 0.0, 12.5] {
             let plane = Plane { kind: PlaneKind::Section, energy, ..Plane::default() };
@@ -395,7 +395,7 @@ mod tests {
 
     #[test]
     fn the_lattice_reaches_every_start_worth_showing() {
-        let build = Build::default();
+        let build = PendulumSpec::default();
         let reach = |kind, energy| {
             let plane = Plane { kind, energy, ..Plane::default() };
             PI * f64::from(1 << plane.lattice_doublings(&build))
@@ -413,9 +413,9 @@ mod tests {
         let refused = |change: fn(&mut Plane)| {
             let mut plane = Plane::default();
             change(&mut plane);
-            plane.check(&Build::default()).unwrap_err().to_string()
+            plane.check(&PendulumSpec::default()).unwrap_err().to_string()
         };
-        Plane::default().check(&Build::default()).unwrap();
+        Plane::default().check(&PendulumSpec::default()).unwrap();
         let twice = refused(|plane| plane.kind = PlaneKind::Axes([Axis::Omega1; 2]));
         assert!(twice.contains("`plane` is 'omega1,omega1'; its two axes"), "{twice}");
         let far = refused(|plane| plane.origin[2] = "1e9".into());

@@ -3,17 +3,17 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Budget, SceneError};
-use crate::question::{Ask, Needs, Watches};
+use crate::question::{Needs, QuestionName, Watches};
 use flipmap_pendulum::Rule;
 
 /// The question asked about every start. Keys added after the first release are written only where
 /// they differ from their defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct QuestionTable {
+pub struct QuestionSettings {
     /// The question's name.
     #[serde(skip_serializing_if = "is_default")]
-    pub ask: Ask,
+    pub ask: QuestionName,
     /// The rule: which bob is watched.
     pub rule: Rule,
     /// Simulated seconds that a pixel may use.
@@ -31,10 +31,10 @@ fn is_one(count: &u32) -> bool {
     *count == 1
 }
 
-impl Default for QuestionTable {
+impl Default for QuestionSettings {
     fn default() -> Self {
-        let (ask, rule, budget) = (Ask::Flip, Rule::Second, Budget::default());
-        QuestionTable { ask, rule, budget, at: None, count: 1 }
+        let (ask, rule, budget) = (QuestionName::Flip, Rule::Second, Budget::default());
+        QuestionSettings { ask, rule, budget, at: None, count: 1 }
     }
 }
 
@@ -42,7 +42,7 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
-impl QuestionTable {
+impl QuestionSettings {
     /// Largest number of a flip that can be asked for.
     pub const MAX_COUNT: u32 = 1_000_000;
 

@@ -4,10 +4,10 @@ use std::fmt;
 use std::ops::{Add, Sub};
 use std::sync::OnceLock;
 
-use flipmap_numbers::{Fixed, Scalar, Theta};
+use flipmap_numbers::{Exact, Fixed, Scalar};
 
 /// A place along one axis of the torus, in turns: 0 at θ = −π, 1 one turn further. It is no
-/// [`Theta`], so that turns and radians cannot be mixed.
+/// [`Exact`], so that turns and radians cannot be mixed.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Turn(Fixed<8>);
 
@@ -36,16 +36,16 @@ impl Turn {
     }
 
     /// The place of an angle in rad.
-    pub fn from_theta(theta: Theta) -> Self {
-        static PER_TURN: OnceLock<Theta> = OnceLock::new();
-        let per_turn = *PER_TURN.get_or_init(|| one() / Theta::pi().doubled(1));
+    pub fn from_theta(theta: Exact) -> Self {
+        static PER_TURN: OnceLock<Exact> = OnceLock::new();
+        let per_turn = *PER_TURN.get_or_init(|| one() / Exact::pi().doubled(1));
         Turn(one().halved(1) + theta * per_turn)
     }
 
     /// The angle of the place in rad; exactly odd about the middle of the torus.
-    pub fn to_theta(self) -> Theta {
+    pub fn to_theta(self) -> Exact {
         let from_middle = self.0 - one().halved(1);
-        let theta = from_middle.abs() * Theta::pi().doubled(1);
+        let theta = from_middle.abs() * Exact::pi().doubled(1);
         if from_middle.is_negative() { -theta } else { theta }
     }
 

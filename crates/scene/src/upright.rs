@@ -14,7 +14,7 @@ use flipmap_pendulum::opening::from_top;
 
 /// The angles of some columns and rows of an upright grid.
 #[derive(Clone, Debug)]
-pub struct UprightGrid {
+pub struct SeparableGrid {
     /// Angles of the columns and of the rows (rad, within [−π, π]).
     pub angles: [Vec<Dd>; 2],
     /// Parts of the depth of a start in the forbidden region, by its column and by its row; NaN near
@@ -29,7 +29,7 @@ pub struct UprightGrid {
 impl Grid {
     /// The angles of some columns and rows, where each is the same for a whole column or row, and
     /// energy may forbid flips.
-    pub fn upright(&self, columns: Range<u32>, rows: Range<u32>) -> Option<UprightGrid> {
+    pub fn upright(&self, columns: Range<u32>, rows: Range<u32>) -> Option<SeparableGrid> {
         let zero = Dd::new(0.0);
         let [right, up] = self.axes_rad();
         if !self.starts_at_rest()
@@ -53,7 +53,7 @@ impl Grid {
             theta1.iter().map(|angle| part(angle, pendulum.p, least)).collect(),
             theta2.iter().map(|angle| part(angle, pendulum.q, 0.0)).collect(),
         ];
-        Some(UprightGrid {
+        Some(SeparableGrid {
             angles: [theta1, theta2],
             depths,
             sure: SURE * (pendulum.p + pendulum.q),
@@ -62,7 +62,7 @@ impl Grid {
     }
 }
 
-impl UprightGrid {
+impl SeparableGrid {
     /// Returns true if energy forbids the flip of a start, by its column and row among these; none where
     /// that is not sure, or not all that decides.
     pub fn is_forbidden(&self, column: usize, row: usize) -> Option<bool> {
@@ -82,7 +82,7 @@ mod tests {
     use crate::{BuiltIn, Fate, Scene, View};
     use flipmap_pendulum::Status;
 
-    fn upright(grid: &Grid) -> Option<UprightGrid> {
+    fn upright(grid: &Grid) -> Option<SeparableGrid> {
         grid.upright(0..grid.size()[0], 0..grid.size()[1])
     }
 

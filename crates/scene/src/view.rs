@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::exact_length::exactly;
 use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError};
-use flipmap_numbers::{Dd, Scalar, Theta};
+use flipmap_numbers::{Dd, Exact, Scalar};
 
 /// Smallest width of a view in rad.
 pub const MIN_WIDTH: f64 = 1e-100;
@@ -70,7 +70,7 @@ impl View {
     pub fn check(&self, axes: [Axis; 2]) -> Result<(), SceneError> {
         let units = axes.map(Axis::unit);
         for (coordinate, unit) in self.center.iter().zip(units) {
-            let fine = Theta::parse(coordinate).is_some_and(|x| x.to_f64().abs() <= 1e6);
+            let fine = Exact::parse(coordinate).is_some_and(|x| x.to_f64().abs() <= 1e6);
             let range = format!(
                 "each coordinate must be a decimal number between -1e6 and 1e6 {unit}, in at most \
                  1000 characters"
@@ -90,11 +90,11 @@ impl View {
 
     /// The centre in rad; call [`View::check`] first. A coordinate that differs from ±π only in its
     /// last digits, far below a pixel, counts as exactly ±π, so that symmetry is detected.
-    pub fn center_rad(&self) -> [Theta; 2] {
+    pub fn center_rad(&self) -> [Exact; 2] {
         let error_rad = MAX_ERROR_OF_PI * self.width_rad().hi;
         self.center.each_ref().map(|text| {
-            let theta = Theta::parse(text).unwrap_or_default();
-            let pi = if theta < Theta::ZERO { -Theta::pi() } else { Theta::pi() };
+            let theta = Exact::parse(text).unwrap_or_default();
+            let pi = if theta < Exact::ZERO { -Exact::pi() } else { Exact::pi() };
             if (theta - pi).to_f64().abs() <= error_rad { pi } else { theta }
         })
     }
@@ -124,7 +124,7 @@ impl View {
     /// centred on a fixed point, 0 or, for coordinates that repeat, π.
     pub(crate) fn is_symmetric(&self, wraps: [bool; 2]) -> bool {
         let fixed =
-            |theta: Theta, wraps| theta == Theta::ZERO || wraps && theta.abs() == Theta::pi();
+            |theta: Exact, wraps| theta == Exact::ZERO || wraps && theta.abs() == Exact::pi();
         self.center_rad().into_iter().zip(wraps).all(|(theta, wraps)| fixed(theta, wraps))
     }
 }

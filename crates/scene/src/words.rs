@@ -1,13 +1,13 @@
 //! The numbers of a scene as words: `rule` as an option, a key, or in a location as `rule=either`.
 
-use super::{Axis, Kind, Plane, PlaneKind, QuestionTable, Scene, SceneError};
-use crate::question::Ask;
+use super::{Axis, Kind, Plane, PlaneKind, QuestionSettings, Scene, SceneError};
+use crate::question::QuestionName;
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
 
 /// One number of a scene, or a pair of numbers, that has a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Word {
+pub enum Setting {
     /// Centre of the view, θ1 and θ2.
     Center,
     /// Width of the view.
@@ -49,7 +49,7 @@ impl Scene {
     /// and so are an energy, an origin and an automatic budget where these have no effect.
     pub fn with_words<'a>(
         mut self,
-        words: impl IntoIterator<Item = (Word, &'a str)>,
+        words: impl IntoIterator<Item = (Setting, &'a str)>,
     ) -> Result<Self, SceneError> {
         let words: Vec<_> = words.into_iter().collect();
         set_all(&mut self, &words)?;
@@ -62,13 +62,13 @@ impl Scene {
     }
 
     /// The reason why a word has no effect on this scene, if it has none.
-    fn without_effect(&self, word: Word) -> Option<&'static str> {
+    fn without_effect(&self, word: Setting) -> Option<&'static str> {
         let is_section = self.plane.kind == PlaneKind::Section;
         match word {
-            Word::Rule if !self.question.has_rule() => Some(QuestionTable::RULE_IS_FOR),
-            Word::Energy if !is_section => Some(Plane::ENERGY_IS_FOR),
-            Word::Origin if is_section => Some(Plane::NO_ORIGIN),
-            Word::Budget if self.question.budget.auto && !self.is_flip_from_rest() => Some(
+            Setting::Rule if !self.question.has_rule() => Some(QuestionSettings::RULE_IS_FOR),
+            Setting::Energy if !is_section => Some(Plane::ENERGY_IS_FOR),
+            Setting::Origin if is_section => Some(Plane::NO_ORIGIN),
+            Setting::Budget if self.question.budget.auto && !self.is_flip_from_rest() => Some(
                 "automatic budgets are for first flips of pendulums released from rest: it must be \
                  a number of seconds between 1e-9 and 1e6",
             ),
@@ -79,9 +79,9 @@ impl Scene {
 
 /// Sets words of a scene. Question and plane come first: they leave out what only earlier ones have,
 /// and the plane decides the units of its coordinates.
-pub(super) fn set_all(scene: &mut Scene, words: &[(Word, &str)]) -> Result<(), SceneError> {
+pub(super) fn set_all(scene: &mut Scene, words: &[(Setting, &str)]) -> Result<(), SceneError> {
     let (kinds, others): (Vec<_>, Vec<_>) =
-        words.iter().partition(|(word, _)| matches!(word, Word::Ask | Word::Plane));
+        words.iter().partition(|(word, _)| matches!(word, Setting::Ask | Setting::Plane));
     for (word, text) in kinds {
         word.set(scene, text)?;
         *scene = scene.clone().without_strays();
@@ -94,26 +94,26 @@ const END_OF_BUDGET: &str = "budget";
 
 const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comma between them";
 
-impl Word {
+impl Setting {
     /// Every word with its name: the view first, then the question and the pendulum.
-    pub const ALL: [(&'static str, Word); 17] = [
-        ("center", Word::Center),
-        ("width", Word::Width),
-        ("rotate", Word::Rotate),
-        ("stretch", Word::Stretch),
-        ("budget", Word::Budget),
-        ("rule", Word::Rule),
-        ("kind", Word::Kind),
-        ("masses", Word::Masses),
-        ("lengths", Word::Lengths),
-        ("gravity", Word::Gravity),
-        ("friction", Word::Friction),
-        ("ask", Word::Ask),
-        ("at", Word::At),
-        ("count", Word::Count),
-        ("plane", Word::Plane),
-        ("origin", Word::Origin),
-        ("energy", Word::Energy),
+    pub const ALL: [(&'static str, Setting); 17] = [
+        ("center", Setting::Center),
+        ("width", Setting::Width),
+        ("rotate", Setting::Rotate),
+        ("stretch", Setting::Stretch),
+        ("budget", Setting::Budget),
+        ("rule", Setting::Rule),
+        ("kind", Setting::Kind),
+        ("masses", Setting::Masses),
+        ("lengths", Setting::Lengths),
+        ("gravity", Setting::Gravity),
+        ("friction", Setting::Friction),
+        ("ask", Setting::Ask),
+        ("at", Setting::At),
+        ("count", Setting::Count),
+        ("plane", Setting::Plane),
+        ("origin", Setting::Origin),
+        ("energy", Setting::Energy),
     ];
 
     /// The word's name.
@@ -132,81 +132,81 @@ impl Word {
         let number = |range| text.parse().map_err(|_| range);
         let [across, up] = plane.axes();
         match self {
-            Word::Center => {
+            Setting::Center => {
                 let pair = text.split_once(',');
                 let (x, y) = pair.ok_or("it must be two numbers with a comma between them")?;
                 view.center = [across.in_unit(x), up.in_unit(y)];
             }
-            Word::Width => (view.width, view.fit) = (across.in_unit(text), false),
-            Word::Rotate => {
+            Setting::Width => (view.width, view.fit) = (across.in_unit(text), false),
+            Setting::Rotate => {
                 view.rotate = number("it must be a number of degrees between -360 and 360")?;
             }
-            Word::Stretch => view.stretch = number("it must be a number between 1e-6 and 1e6")?,
-            Word::Budget => {
+            Setting::Stretch => view.stretch = number("it must be a number between 1e-6 and 1e6")?,
+            Setting::Budget => {
                 let range = "it must be auto or a number of seconds between 1e-9 and 1e6";
                 question.budget = text.parse().map_err(|()| range)?;
             }
-            Word::Rule => {
+            Setting::Rule => {
                 question.rule =
                     known(&Rule::ALL, text).ok_or("the rules are second, first, either")?;
             }
-            Word::Kind => {
+            Setting::Kind => {
                 build.kind = known(&Kind::ALL, text).ok_or("it must be points or rods")?;
             }
-            Word::Masses => build.masses = pair(text).ok_or(WIDE_PAIR)?,
-            Word::Lengths => build.lengths = pair(text).ok_or(WIDE_PAIR)?,
-            Word::Gravity => {
+            Setting::Masses => build.masses = pair(text).ok_or(WIDE_PAIR)?,
+            Setting::Lengths => build.lengths = pair(text).ok_or(WIDE_PAIR)?,
+            Setting::Gravity => {
                 let range = "it must be 0 or a number between 1e-9 and 1e9 m/s²";
                 build.gravity = text.parse().map_err(|()| range)?;
             }
-            Word::Friction => {
+            Setting::Friction => {
                 let range = "it must be two numbers between 0 and 1e9 N m s with a comma between";
                 build.friction = pair(text).ok_or(range)?;
             }
-            Word::Ask => question.ask = text.parse().map_err(|_| Ask::NAMES)?,
-            Word::At => {
+            Setting::Ask => question.ask = text.parse().map_err(|_| QuestionName::NAMES)?,
+            Setting::At => {
                 let none = text == END_OF_BUDGET;
                 let range = "it must be a number of seconds within the budget, or budget";
                 question.at = if none { None } else { Some(number(range)?) };
             }
-            Word::Count => {
+            Setting::Count => {
                 let range = "it must be a whole number between 1 and 1000000";
                 question.count = text.parse().map_err(|_| range)?;
             }
-            Word::Plane => plane.kind = text.parse()?,
-            Word::Origin => {
+            Setting::Plane => plane.kind = text.parse()?,
+            Setting::Origin => {
                 let parts: Vec<&str> = text.split(',').collect();
                 let parts: [&str; 4] =
                     parts.try_into().map_err(|_| "it must be four numbers θ1,θ2,ω1,ω2")?;
                 plane.origin = [0, 1, 2, 3].map(|i| Axis::OF_STARTS[i].in_unit(parts[i]));
             }
-            Word::Energy => plane.energy = number("it must be a number of joules")?,
+            Setting::Energy => plane.energy = number("it must be a number of joules")?,
         }
         Ok(())
     }
 
-    /// The value of the word as text, which [`Word::set`] reads back.
+    /// The value of the word as text, which [`Setting::set`] reads back.
     pub fn text(self, scene: &Scene) -> String {
         let Scene { build, question, view, plane } = scene;
         let pair = |[first, second]: [Decimal; 2]| format!("{first},{second}");
         match self {
-            Word::Center => view.center.join(","),
-            Word::Width => view.width.clone(),
-            Word::Rotate => view.rotate.to_string(),
-            Word::Stretch => view.stretch.to_string(),
-            Word::Budget => question.budget.to_string(),
-            Word::Rule => question.rule.to_string(),
-            Word::Kind => Kind::ALL[build.kind as usize].0.to_string(),
-            Word::Masses => pair(build.masses),
-            Word::Lengths => pair(build.lengths),
-            Word::Gravity => build.gravity.to_string(),
-            Word::Friction => pair(build.friction),
-            Word::Ask => question.ask.to_string(),
-            Word::At => question.at.map_or(END_OF_BUDGET.to_string(), |at| at.to_string()),
-            Word::Count => question.count.to_string(),
-            Word::Plane => plane.kind.to_string(),
-            Word::Origin => plane.origin.join(","),
-            Word::Energy => plane.energy.to_string(),
+            Setting::Center => view.center.join(","),
+            Setting::Width => view.width.clone(),
+            Setting::Rotate => view.rotate.to_string(),
+            Setting::Stretch => view.stretch.to_string(),
+            Setting::Budget => question.budget.to_string(),
+            Setting::Rule => question.rule.to_string(),
+            Setting::Kind => Kind::ALL[build.kind as usize].0.to_string(),
+            Setting::Masses => pair(build.masses),
+            Setting::Lengths => pair(build.lengths),
+            Setting::Gravity => build.gravity.to_string(),
+            Setting::Friction => pair(build.friction),
+            Setting::Ask => question.ask.to_string(),
+            Setting::At => question.at.map_or(END_OF_BUDGET.to_string(), |at| at.to_string()),
+            Setting::Count => question.count.to_string(),
+            Setting::Plane => plane.kind.to_string(),
+            Setting::Origin => plane.origin.join(","),
+            Setting::Energy => plane.energy.to_string(),
         }
     }
 }
@@ -227,7 +227,7 @@ mod tests {
 
     #[test]
     fn words_and_kinds_stand_in_their_places() {
-        for (place, (setting, word)) in Word::ALL.into_iter().enumerate() {
+        for (place, (setting, word)) in Setting::ALL.into_iter().enumerate() {
             assert_eq!((word as usize, word.setting()), (place, setting));
         }
         for (place, (_, kind)) in Kind::ALL.into_iter().enumerate() {
@@ -238,19 +238,22 @@ mod tests {
     #[test]
     fn another_question_or_plane_leaves_out_what_it_does_not_have() {
         let scene = |name: &str| BuiltIn::named(name).unwrap().document().scene();
-        let with = |name: &str, words: &[(Word, &str)]| scene(name).with_words(words.to_vec());
-        let either = with("either", &[(Word::Ask, "state")]).unwrap();
-        assert_eq!((either.question.rule, either.question.ask), (Rule::Second, Ask::State));
-        assert_eq!(with("moment", &[(Word::Ask, "flip")]).unwrap().question.at, None);
-        assert_eq!(with("moment", &[(Word::Ask, "state")]).unwrap().question.at, Some(12.0));
-        for said in [(Word::Rule, "either"), (Word::Rule, "second"), (Word::Count, "2")] {
-            assert!(with("either", &[(Word::Ask, "state"), said]).is_err(), "{said:?}");
+        let with = |name: &str, words: &[(Setting, &str)]| scene(name).with_words(words.to_vec());
+        let either = with("either", &[(Setting::Ask, "state")]).unwrap();
+        assert_eq!(
+            (either.question.rule, either.question.ask),
+            (Rule::Second, QuestionName::State)
+        );
+        assert_eq!(with("moment", &[(Setting::Ask, "flip")]).unwrap().question.at, None);
+        assert_eq!(with("moment", &[(Setting::Ask, "state")]).unwrap().question.at, Some(12.0));
+        for said in [(Setting::Rule, "either"), (Setting::Rule, "second"), (Setting::Count, "2")] {
+            assert!(with("either", &[(Setting::Ask, "state"), said]).is_err(), "{said:?}");
         }
         let mut section = scene("section");
         section.plane.energy = 5.0;
-        let kept = section.clone().with_words([(Word::Plane, "section")]).unwrap();
+        let kept = section.clone().with_words([(Setting::Plane, "section")]).unwrap();
         assert_eq!(kept.plane.energy, 5.0);
-        assert_eq!(section.with_words([(Word::Plane, "speeds")]).unwrap().plane.energy, 0.0);
+        assert_eq!(section.with_words([(Setting::Plane, "speeds")]).unwrap().plane.energy, 0.0);
     }
 
     #[test]
@@ -258,7 +261,7 @@ mod tests {
         let said =
             ["1.5,-0.25", "1e-12", "30", "2", "60", "either", "rods", "1,2.5", "0.4,1", "1.62"];
         let mut scene = Scene::default();
-        for ((_, word), text) in Word::ALL.into_iter().zip(said) {
+        for ((_, word), text) in Setting::ALL.into_iter().zip(said) {
             assert_ne!(word.text(&scene), text);
             word.set(&mut scene, text).unwrap();
             assert_eq!(word.text(&scene), text);

@@ -12,7 +12,7 @@ use super::settings::{EdgeSamples, Layers, Theme};
 use super::state::Dialog;
 use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_lab::Figure;
-use flipmap_numbers::Theta;
+use flipmap_numbers::Exact;
 use flipmap_pendulum::State;
 use flipmap_scene::{Document, PictureTable, Scene};
 
@@ -134,7 +134,7 @@ pub enum Action {
     /// Copies the location.
     CopyLocation,
     /// Centres the map on a start.
-    Find([Theta; 2]),
+    Find([Exact; 2]),
     /// Hides a notice.
     Dismiss(u64),
     /// Sets the scale of the interface.

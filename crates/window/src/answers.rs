@@ -3,19 +3,19 @@
 use super::hover::{self, Answer};
 use super::model::AppModel;
 use flipmap_engine::Trust;
-use flipmap_numbers::Theta;
+use flipmap_numbers::Exact;
 use flipmap_pendulum::Outcome;
 
 impl AppModel {
     /// Returns the answer that the map shows for the sample at a place.
-    pub(super) fn answer_at(&mut self, place: [Theta; 2]) -> Option<Answer> {
+    pub(super) fn answer_at(&mut self, place: [Exact; 2]) -> Option<Answer> {
         let (level, question) = (self.state.screen().level(), self.state.question);
         let until_secs = question.ask.is_time().then_some(question.budget.secs);
         hover::answer_at(&mut self.compute.explorer, place, level, until_secs)
     }
 
     /// Returns the first flip that the map shows for the sample at a place.
-    pub(super) fn told_at(&mut self, place: [Theta; 2]) -> Option<(Outcome, Trust)> {
+    pub(super) fn told_at(&mut self, place: [Exact; 2]) -> Option<(Outcome, Trust)> {
         let question = &self.state.question;
         if !question.ask.is_time() || question.count > 1 {
             return None;

@@ -6,20 +6,20 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use super::camera::Camera;
 use super::compute_service::Wake;
 use super::model::AppModel;
-use flipmap_scene::{Budget, Build, QuestionTable, Scene};
+use flipmap_scene::{Budget, PendulumSpec, QuestionSettings, Scene};
 
 /// Returns a scene's question; a budget that equals the guess of an automatic one follows the depth.
-pub(super) fn following(scene: &Scene) -> QuestionTable {
+pub(super) fn following(scene: &Scene) -> QuestionSettings {
     let budget = scene.question.budget;
     let guess = Budget { auto: true, ..budget }.guessed(&scene.build, &scene.view);
     let auto = budget.auto || guess.secs == budget.secs;
-    QuestionTable { budget: Budget { auto, ..budget }, ..scene.question }
+    QuestionSettings { budget: Budget { auto, ..budget }, ..scene.question }
 }
 
 /// The automatic budget of the newest view.
 #[derive(Default)]
 pub(super) struct AutoBudget {
-    asked: Option<(Build, Camera)>,
+    asked: Option<(PendulumSpec, Camera)>,
     settling: Option<Receiver<Budget>>,
     settled: Option<Budget>,
 }
@@ -27,7 +27,7 @@ pub(super) struct AutoBudget {
 impl AutoBudget {
     /// Asks for the budget of a view, unless it is the one last asked for or another is being
     /// settled; `scene` is its scene.
-    fn ask(&mut self, view: (Build, Camera), scene: impl FnOnce() -> Scene, wake: &Wake) {
+    fn ask(&mut self, view: (PendulumSpec, Camera), scene: impl FnOnce() -> Scene, wake: &Wake) {
         if self.asked == Some(view) || self.settling.is_some() {
             return;
         }
@@ -54,7 +54,7 @@ impl AutoBudget {
     }
 
     /// Returns the settled budget of a view, which is not that of a scene opened there again.
-    fn of(&self, view: (Build, Camera)) -> Option<Budget> {
+    fn of(&self, view: (PendulumSpec, Camera)) -> Option<Budget> {
         self.settled.filter(|_| self.asked == Some(view))
     }
 }
@@ -100,7 +100,8 @@ mod tests {
             width: width.to_string(),
             ..View::default()
         };
-        let key = |width: &str| (Build::default(), Camera::from_view(&view(width), Reach::TORUS));
+        let key =
+            |width: &str| (PendulumSpec::default(), Camera::from_view(&view(width), Reach::TORUS));
         let ask = |budget: &mut AutoBudget, width: &str| {
             let mut scene = Scene { view: view(width), ..Scene::default() };
             scene.question.budget.auto = true;

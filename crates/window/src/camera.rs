@@ -4,7 +4,7 @@
 use glam::{DMat2, DVec2};
 
 use super::reach::Reach;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::lattice::{DEEPEST, Region, pitch_rad};
 use flipmap_scene::{BuiltIn, MIN_WIDTH, View};
 
@@ -12,7 +12,7 @@ use flipmap_scene::{BuiltIn, MIN_WIDTH, View};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Place of the centre in lattice radians, within [−π, π].
-    pub center: [Theta; 2],
+    pub center: [Exact; 2],
     /// Length of the horizontal axis in lattice radians.
     pub width_rad: f64,
     /// Angle in degrees by which the picture's horizontal axis is turned anticlockwise.
@@ -69,8 +69,8 @@ impl Camera {
     pub fn view(&self) -> View {
         // Six digits below the width are far below a pixel of any screen; so many that they are read
         // as π keep the symmetry around π.
-        let decimals = |coordinate: Theta| {
-            let is_pi = self.reach.repeats && coordinate.abs() == Theta::pi();
+        let decimals = |coordinate: Exact| {
+            let is_pi = self.reach.repeats && coordinate.abs() == Exact::pi();
             let below = if is_pi { 16.0 } else { 6.0 };
             (below - self.width().log10()).ceil().max(below) as usize
         };
@@ -90,7 +90,7 @@ impl Camera {
 
     /// Returns the camera with its centre moved by an offset in rad, as far as the plane reaches.
     pub fn moved(&self, by_rad: DVec2) -> Self {
-        let by = by_rad.to_array().map(Theta::from_f64);
+        let by = by_rad.to_array().map(Exact::from_f64);
         let center = [0, 1].map(|i| self.center[i] + by[i]);
         Camera { center: self.reach.inside(center), ..*self }
     }
@@ -114,7 +114,7 @@ impl Camera {
     }
 
     /// Returns the offset of another centre from this one, the short way round the torus, in rad.
-    pub(crate) fn offset_of(&self, angle: [Theta; 2]) -> DVec2 {
+    pub(crate) fn offset_of(&self, angle: [Exact; 2]) -> DVec2 {
         DVec2::from_array(self.reach.difference(angle, self.center))
     }
 }
@@ -138,7 +138,7 @@ impl Screen {
     }
 
     /// Returns the start under a point.
-    pub fn angle_at(&self, point: DVec2) -> [Theta; 2] {
+    pub fn angle_at(&self, point: DVec2) -> [Exact; 2] {
         self.camera.moved(self.offset_at(point)).center
     }
 
@@ -326,7 +326,7 @@ mod tests {
     #[test]
     fn a_view_around_pi_stays_there() {
         for width_rad in [TAU, 1.0, 1e-9] {
-            let camera = Camera { center: [Theta::pi(), Theta::ZERO], width_rad, ..home() };
+            let camera = Camera { center: [Exact::pi(), Exact::ZERO], width_rad, ..home() };
             assert_eq!(Camera::from_view(&camera.view(), Reach::TORUS), camera);
         }
     }
@@ -335,7 +335,7 @@ mod tests {
     fn home_fits_into_every_canvas() {
         for (canvas, width_rad) in [([1280.0, 800.0], 1.6 * TAU), ([600.0, 900.0], TAU)] {
             let camera = Camera::home(Reach::TORUS, DVec2::from_array(canvas));
-            assert_eq!(camera.center, [Theta::pi(), Theta::ZERO]);
+            assert_eq!(camera.center, [Exact::pi(), Exact::ZERO]);
             assert!((camera.width_rad - width_rad).abs() < 1e-12);
         }
     }
@@ -351,7 +351,7 @@ mod tests {
         assert_eq!((back.center[0].parse(), back.center[1].parse()), (Ok(8.0), Ok(-4.5)));
         assert_eq!(back.width, "2.0");
         let far = camera.moved(DVec2::new(99.0, 0.0));
-        assert_eq!(far.center[0], Theta::pi(), "nothing lies beyond");
+        assert_eq!(far.center[0], Exact::pi(), "nothing lies beyond");
         assert!((camera.offset_of(far.center).x - (std::f64::consts::PI - 0.5)).abs() < 1e-12);
     }
 
@@ -370,8 +370,8 @@ mod tests {
 
     #[test]
     fn the_short_way_round() {
-        let east = Camera { center: [3.1, 0.0].map(Theta::from_f64), ..home() };
-        let west = Camera { center: [-3.1, 0.0].map(Theta::from_f64), ..home() };
+        let east = Camera { center: [3.1, 0.0].map(Exact::from_f64), ..home() };
+        let west = Camera { center: [-3.1, 0.0].map(Exact::from_f64), ..home() };
         assert!((east.offset_of(west.center).x - 0.083).abs() < 1e-3);
         let (half, _) =
             Move { from: east, to: west, began_secs: 0.0, pace: MovePace::Quick }.at(0.05);

@@ -4,7 +4,7 @@ use super::hover::Answer;
 use super::map::Hovered;
 use super::reach::Reach;
 use flipmap_engine::Trust;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::Status;
 use flipmap_scene::lattice::pitch_rad;
 use flipmap_scene::question::{Channel, ChannelScale};
@@ -24,7 +24,7 @@ pub(crate) fn words_of(hovered: &Hovered, scene: &Scene, level: u32) -> String {
 }
 
 /// The coordinates of a point of a scene's plane with their units.
-pub(crate) fn place_words(scene: &Scene, coordinates: [Theta; 2], digits: usize) -> String {
+pub(crate) fn place_words(scene: &Scene, coordinates: [Exact; 2], digits: usize) -> String {
     let axes = scene.plane.axes();
     let [x, y] = [0, 1].map(|i| {
         let value = coordinates[i];
@@ -36,7 +36,7 @@ pub(crate) fn place_words(scene: &Scene, coordinates: [Theta; 2], digits: usize)
 }
 
 /// Formats a coordinate with a number of decimals; f64 is quicker if it has enough digits.
-fn plain(value: Theta, digits: usize) -> String {
+fn plain(value: Exact, digits: usize) -> String {
     if digits < 15 { format!("{:.digits$}", value.to_f64()) } else { value.decimal(digits) }
 }
 
@@ -82,8 +82,8 @@ fn value_words(Channel { name, unit, right, scale }: &Channel, value: f64) -> St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_scene::question::{Ask, MAX_CHANNELS};
-    use flipmap_scene::{Plane, QuestionTable};
+    use flipmap_scene::question::{MAX_CHANNELS, QuestionName};
+    use flipmap_scene::{Plane, QuestionSettings};
 
     fn answer(status: Status, first: &[f64], trust: Trust) -> Option<Answer> {
         let mut values = [0.0; MAX_CHANNELS];
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn words_tell_the_fate_and_enough_digits() {
-        let place = [-1.66, 0.1].map(Theta::from_f64);
+        let place = [-1.66, 0.1].map(Exact::from_f64);
         let home = Scene::default();
         let words = |answer, level| words_of(&Hovered { place, answer }, &home, level);
         let flipped = answer(Status::Answered, &[3.21], Trust::Uncertain);
@@ -108,11 +108,11 @@ mod tests {
 
     #[test]
     fn other_questions_and_planes_have_their_own_words() {
-        let question = QuestionTable { ask: Ask::First, ..QuestionTable::default() };
+        let question = QuestionSettings { ask: QuestionName::First, ..QuestionSettings::default() };
         let plane = Plane { kind: "first".parse().unwrap(), ..Plane::default() };
         let scene = Scene { question, plane, ..Scene::default() };
         let reach = Reach::of(&scene);
-        let place = reach.place([7.0, -12.5].map(Theta::from_f64));
+        let place = reach.place([7.0, -12.5].map(Exact::from_f64));
         let words = |answer| words_of(&Hovered { place, answer }, &scene, 5);
         let first = answer(Status::Answered, &[2.0, 1.5], Trust::Agreed);
         // 7 rad is 7 − 2π.

@@ -16,10 +16,12 @@ use super::state::AppState;
 use super::{hover, overlay};
 use flipmap_pendulum::Rule;
 use flipmap_scene::palette::AnswerColours;
-use flipmap_scene::{Build, Plane, QuestionTable, Scene, SceneError};
+use flipmap_scene::{PendulumSpec, Plane, QuestionSettings, Scene, SceneError};
 
 /// Returns a pendulum and the rule of its energy curve; none if no energy divides its map.
-fn curve_of((build, question, plane): (Build, QuestionTable, &Plane)) -> Option<(Build, Rule)> {
+fn curve_of(
+    (build, question, plane): (PendulumSpec, QuestionSettings, &Plane),
+) -> Option<(PendulumSpec, Rule)> {
     let rule = question.watched();
     let divides = rule != Rule::Neither && plane.is_at_rest() && build.gravity.value() > 0.0;
     divides.then_some((build, rule))
@@ -83,7 +85,7 @@ impl AppModel {
 
     /// Returns the pendulum and the rule of the tiles that are drawn, whose energy curve belongs on
     /// the map; none if they have none, or if it is not to be drawn.
-    fn drawn_curve(&self) -> Option<(Build, Rule)> {
+    fn drawn_curve(&self) -> Option<(PendulumSpec, Rule)> {
         let AppState { build, question, ref plane, layers, .. } = self.state;
         let drawn = self.compute.explorer.drawn();
         let drawn = drawn.map_or((build, question, plane), |p| (p.build, p.question, &p.plane));

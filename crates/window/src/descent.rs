@@ -198,8 +198,8 @@ fn descent(
 ) -> Result<(), DescentError> {
     let mut chosen = choose(engine, &|_| ())?;
     let mut descent = Descent::new(scene, chosen.config, towards);
-    let go_on = || !stop.load(Ordering::Relaxed);
-    while let DescentStep::Scene(scene) = descent.next(chosen.engine.as_mut(), &go_on)? {
+    let keep_going = || !stop.load(Ordering::Relaxed);
+    while let DescentStep::Scene(scene) = descent.next(chosen.engine.as_mut(), &keep_going)? {
         if sender.send(DescentNews::To(scene)).is_err() {
             break;
         }

@@ -12,7 +12,7 @@ use super::panels::places::PlaceAction;
 use super::pin_start::PinStart;
 use super::state::Effect;
 use super::view_samples;
-use flipmap_numbers::Theta;
+use flipmap_numbers::Exact;
 use flipmap_render::output::Picture;
 use flipmap_scene::palette::{AnswerColours, equalised};
 use flipmap_scene::{PictureTable, Scale};
@@ -34,11 +34,11 @@ impl AppModel {
             actions.into_iter().map(|action| self.in_place(action)).collect();
         let effects: Vec<Effect> =
             actions.into_iter().filter_map(|action| self.state.apply(action)).collect();
-        effects.into_iter().filter_map(|effect| self.affect(effect)).collect()
+        effects.into_iter().filter_map(|effect| self.perform(effect)).collect()
     }
 
     /// Carries out an effect, or returns it if only the window can.
-    pub(super) fn affect(&mut self, effect: Effect) -> Option<Effect> {
+    pub(super) fn perform(&mut self, effect: Effect) -> Option<Effect> {
         match effect {
             Effect::Pin(places) => self.pin(*places),
             Effect::GoDeeper => self.toggle_descent(),
@@ -81,7 +81,7 @@ impl AppModel {
         self.state.pins.relaunch(&self.state.scene(), move || wake());
     }
 
-    fn pin(&mut self, places: [[Theta; 2]; 2]) {
+    fn pin(&mut self, places: [[Exact; 2]; 2]) {
         let scene = self.state.scene();
         let Some(start) = PinStart::on_plane(&scene, self.state.camera.reach, places) else {
             self.state.notices.tell("No pendulum has the section's energy here.");

@@ -46,7 +46,7 @@ pub(crate) struct EguiHost {
 }
 
 /// The parts of a host that outlive the loss of its device.
-pub(crate) struct Remains {
+pub(crate) struct SurvivingParts {
     /// State that egui remembers.
     memory: egui::Memory,
     /// Connection to screen readers: a window can have only one during its life.
@@ -54,7 +54,7 @@ pub(crate) struct Remains {
     screen_reader: bool,
 }
 
-impl Remains {
+impl SurvivingParts {
     fn move_into(self, ctx: &Context, input: &mut egui_winit::State) {
         ctx.memory_mut(|memory| *memory = self.memory);
         input.accesskit = self.adapter;
@@ -71,7 +71,7 @@ impl EguiHost {
         event_loop: &ActiveEventLoop,
         window: &Arc<Window>,
         proxy: &EventLoopProxy<Woken>,
-        remains: Option<Remains>,
+        remains: Option<SurvivingParts>,
     ) -> Result<Self, HostError> {
         let ctx = Context::default();
         let waker = proxy.clone();
@@ -160,8 +160,8 @@ impl EguiHost {
     }
 
     /// Drops the device and returns what the next host needs.
-    pub(crate) fn into_remains(self) -> Remains {
-        Remains {
+    pub(crate) fn into_remains(self) -> SurvivingParts {
+        SurvivingParts {
             memory: self.ctx.memory(Clone::clone),
             screen_reader: self.screen_reader,
             adapter: self.input.accesskit,

@@ -5,9 +5,9 @@ use glam::DVec2;
 
 use super::camera::Screen;
 use super::overlay::position;
-use flipmap_numbers::{Angle, Scalar, Theta};
+use flipmap_numbers::{Angle, Exact, Scalar};
 use flipmap_pendulum::Rule;
-use flipmap_scene::Build;
+use flipmap_scene::PendulumSpec;
 use flipmap_scene::palette::Rgb;
 
 /// Distance in points between the nodes at which the energy is evaluated.
@@ -27,11 +27,11 @@ struct EnergyDepth {
 }
 
 impl EnergyDepth {
-    fn new(build: &Build, rule: Rule, center: [Theta; 2]) -> Self {
-        let pendulum = build.pendulum_in::<Theta>();
+    fn new(build: &PendulumSpec, rule: Rule, center: [Exact; 2]) -> Self {
+        let pendulum = build.pendulum_in::<Exact>();
         let sines = center.map(|theta| theta.sin_cos());
         let depth = pendulum.depth(sines.map(|(_, cos)| cos)) - pendulum.least_depth(rule);
-        let weights = [pendulum.p, pendulum.q].map(Theta::to_f64);
+        let weights = [pendulum.p, pendulum.q].map(Exact::to_f64);
         let sines = sines.map(|(sin, cos)| [sin.to_f64(), cos.to_f64()]);
         EnergyDepth { center: depth.to_f64(), weights, sines }
     }
@@ -48,7 +48,7 @@ impl EnergyDepth {
 }
 
 /// Returns the energy curve as short lines, in points from the middle of the canvas.
-pub(crate) fn energy_curve(screen: &Screen, build: &Build, rule: Rule) -> Vec<[DVec2; 2]> {
+pub(crate) fn energy_curve(screen: &Screen, build: &PendulumSpec, rule: Rule) -> Vec<[DVec2; 2]> {
     let depth = EnergyDepth::new(build, rule, screen.camera.center);
     let columns = (screen.size.x / CURVE_NODE).ceil() as usize;
     let rows = (screen.size.y / CURVE_NODE).ceil() as usize;
@@ -149,7 +149,7 @@ mod tests {
     use crate::reach::Reach;
 
     fn screen(center: [&str; 2], width_rad: f64) -> Screen {
-        let center = center.map(|text| Theta::parse(text).unwrap());
+        let center = center.map(|text| Exact::parse(text).unwrap());
         let camera = Camera { center, width_rad, ..Camera::whole(Reach::TORUS) };
         Screen { camera, size: DVec2::new(640.0, 480.0), pixels_per_point: 1.0 }
     }
@@ -157,10 +157,10 @@ mod tests {
     #[test]
     fn the_curve_is_where_the_energy_is_that_of_its_bound() {
         let screen = screen(["0", "0"], std::f64::consts::TAU);
-        let lines = energy_curve(&screen, &Build::default(), Rule::Second);
+        let lines = energy_curve(&screen, &PendulumSpec::default(), Rule::Second);
         assert!(lines.len() > 50);
         for point in lines.iter().flatten() {
-            let [theta1, theta2] = screen.angle_at(*point).map(Theta::to_f64);
+            let [theta1, theta2] = screen.angle_at(*point).map(Exact::to_f64);
             let depth = 2.0 * theta1.cos() + theta2.cos() - 1.0;
             assert!(depth.abs() < 1e-5, "{depth} at {theta1}, {theta2}");
         }
@@ -169,8 +169,8 @@ mod tests {
     #[test]
     fn the_curve_stays_a_line_at_any_depth() {
         // cos θ2 = 1 − 2 cos θ1 at θ1 = 1.3.
-        let lit = Theta::from_f64;
-        let wanted = lit(1.0) - lit(2.0) * Theta::parse("1.3").unwrap().sin_cos().1;
+        let lit = Exact::from_f64;
+        let wanted = lit(1.0) - lit(2.0) * Exact::parse("1.3").unwrap().sin_cos().1;
         // Newton steps from the f64 arc cosine.
         let exact = (0..4).fold(lit(wanted.to_f64().acos()), |theta, _| {
             let (sin, cos) = theta.sin_cos();
@@ -178,7 +178,7 @@ mod tests {
         });
         let center = ["1.3".to_string(), exact.to_string()];
         let screen = screen([&center[0], &center[1]], 1e-90);
-        let lines = energy_curve(&screen, &Build::default(), Rule::Second);
+        let lines = energy_curve(&screen, &PendulumSpec::default(), Rule::Second);
         let nearest = lines.iter().flatten().map(|p| p.length()).fold(f64::MAX, f64::min);
         assert!(lines.len() > 30 && nearest < 8.0, "{} lines, {nearest}", lines.len());
     }
@@ -187,9 +187,9 @@ mod tests {
     fn the_curve_crosses_itself_cleanly_where_the_second_bob_stands() {
         for center in [["0", "3.1415926535"], ["0.013", "3.1"], ["-0.05", "-3.12"]] {
             let screen = screen(center, std::f64::consts::TAU);
-            let lines = energy_curve(&screen, &Build::default(), Rule::Second);
+            let lines = energy_curve(&screen, &PendulumSpec::default(), Rule::Second);
             for [a, b] in lines {
-                let [theta1, theta2] = screen.angle_at((a + b) / 2.0).map(Theta::to_f64);
+                let [theta1, theta2] = screen.angle_at((a + b) / 2.0).map(Exact::to_f64);
                 let depth = 2.0 * theta1.cos() + theta2.cos() - 1.0;
                 assert!(depth.abs() < 1e-3, "{depth} at {theta1}, {theta2}");
             }

@@ -6,7 +6,7 @@ use super::flight::playback::Playback;
 use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::film::{Film, FilmError};
 use flipmap_scene::keys::{Easing, Key, Keys};
-use flipmap_scene::{Budget, Document, QuestionTable, Scene};
+use flipmap_scene::{Budget, Document, QuestionSettings, Scene};
 
 /// A film that is being planned.
 #[derive(Clone, Debug, PartialEq)]
@@ -130,7 +130,7 @@ impl FilmDraft {
         let shot = film.shot_at(self.keys[0].secs + self.clock.time_secs());
         // With the budget of each moment, the map of a moving camera would begin again at each.
         let budget = Budget::secs(film.shown_secs(&shot));
-        Some(Scene { question: QuestionTable { budget, ..shot.scene.question }, ..shot.scene })
+        Some(Scene { question: QuestionSettings { budget, ..shot.scene.question }, ..shot.scene })
     }
 
     /// Reads keys from their file, or says in a sentence why it left the draft as it was.

@@ -1,7 +1,7 @@
 //! The sample under the pointer.
 
 use flipmap_engine::Trust;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::Stride;
 use flipmap_render::tiles::explorer::Explorer;
@@ -21,14 +21,14 @@ pub struct Answer {
 }
 
 /// Returns the places of the sample that a level draws at a place and of the one to its right.
-pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
+pub fn sample_at(angle: [Exact; 2], level: u32) -> [[Exact; 2]; 2] {
     let cell = Cell::around(angle, level);
     let [column, row] = cell.sample_at(angle);
-    let pixel = Turn::side(level + SIDE.ilog2()).to_theta() + Theta::pi();
+    let pixel = Turn::side(level + SIDE.ilog2()).to_theta() + Exact::pi();
     let half = f64::from(SIDE) / 2.0;
     let [theta1, theta2] = cell.center();
-    let along = |column: f64| theta1 + pixel * Theta::from_f64(column + 0.5 - half);
-    let up = theta2 + pixel * Theta::from_f64(half - f64::from(row) - 0.5);
+    let along = |column: f64| theta1 + pixel * Exact::from_f64(column + 0.5 - half);
+    let up = theta2 + pixel * Exact::from_f64(half - f64::from(row) - 0.5);
     let column = f64::from(column);
     [column, column + 1.0].map(|column| [along(column).wrapped(), up])
 }
@@ -37,7 +37,7 @@ pub fn sample_at(angle: [Theta; 2], level: u32) -> [[Theta; 2]; 2] {
 /// are known. Flips after `until_secs`, if it is given, are not shown.
 pub(crate) fn answer_at(
     explorer: &mut Explorer,
-    angle: [Theta; 2],
+    angle: [Exact; 2],
     level: u32,
     until_secs: Option<f64>,
 ) -> Option<Answer> {
@@ -52,19 +52,19 @@ pub(crate) fn answer_at(
 }
 
 /// Returns the known answer of the sample at a place inside a cell.
-pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Option<Answer> {
+pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Exact; 2]) -> Option<Answer> {
     answer_of(explorer, cell, angle, |stride, place| stride.index(place, SIDE))
 }
 
 /// Returns the same, or the known answer of a sample near it in the cell.
-pub(crate) fn known_near(explorer: &mut Explorer, cell: Cell, angle: [Theta; 2]) -> Option<Answer> {
+pub(crate) fn known_near(explorer: &mut Explorer, cell: Cell, angle: [Exact; 2]) -> Option<Answer> {
     answer_of(explorer, cell, angle, |stride, place| Some(stride.nearest(place, SIDE)))
 }
 
 fn answer_of(
     explorer: &mut Explorer,
     cell: Cell,
-    angle: [Theta; 2],
+    angle: [Exact; 2],
     index: impl Fn(Stride, [u32; 2]) -> Option<u32>,
 ) -> Option<Answer> {
     let place = cell.sample_at(angle);
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn a_sample_starts_where_its_tile_says() {
-        let angle = [-1.66, 0.1].map(Theta::from_f64);
+        let angle = [-1.66, 0.1].map(Exact::from_f64);
         for level in [0, 3, 20, 60, 300] {
             let [start, next] = sample_at(angle, level);
             let cell = Cell::around(angle, level);

@@ -11,9 +11,9 @@ use super::settings::Settings;
 use super::state::Effect;
 use flipmap_lab::flips::{Seen, explain};
 use flipmap_lab::{Figure, FigureRequest, story};
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::State;
-use flipmap_scene::{Build, Plane, Scene};
+use flipmap_scene::{PendulumSpec, Plane, Scene};
 
 /// Width of the view that shows a start from the laboratory, as a fraction of the home view's.
 const PART: f64 = 1.0 / 16.0;
@@ -169,7 +169,7 @@ impl AppModel {
                 }
                 ui.label(Figure::Map.sentence());
                 if let Some(kind) = explain(ui, &self.state.document(), &seen) {
-                    let build = Build { kind, ..self.state.build };
+                    let build = PendulumSpec { kind, ..self.state.build };
                     actions.push(Action::Scene(Box::new(Scene { build, ..self.state.scene() })));
                 }
             });
@@ -189,11 +189,11 @@ impl AppModel {
         }
         let home = Camera::whole(Reach::TORUS);
         let width_rad = home.width_rad * PART;
-        let center = start.angle.map(|angle| Theta::from_f64(angle).wrapped());
+        let center = start.angle.map(|angle| Exact::from_f64(angle).wrapped());
         let camera = Camera { center, width_rad, ..home };
         self.act(vec![Action::Look(Look::To(camera))]);
         let level = self.state.aimed_screen().level();
-        self.affect(Effect::Pin(Box::new(hover::sample_at(camera.center, level))));
+        self.perform(Effect::Pin(Box::new(hover::sample_at(camera.center, level))));
     }
 }
 

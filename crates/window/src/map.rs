@@ -12,16 +12,16 @@ use super::hover::Answer;
 use super::overlay::{self, position};
 use super::pin_paths;
 use super::state::AppState;
-use flipmap_numbers::Theta;
+use flipmap_numbers::Exact;
 use flipmap_pendulum::Rule;
-use flipmap_scene::Build;
+use flipmap_scene::PendulumSpec;
 use flipmap_scene::palette::Ground;
 
 /// The sample of the map under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hovered {
     /// Place of the sample on the lattice.
-    pub place: [Theta; 2],
+    pub place: [Exact; 2],
     /// Known answer; none while only coarser samples are known.
     pub answer: Option<Answer>,
 }
@@ -33,7 +33,7 @@ pub(crate) fn map(
     state: &AppState,
     mut frame: MapFrame,
     hovered: Option<Hovered>,
-    curve: Option<(Build, Rule)>,
+    curve: Option<(PendulumSpec, Rule)>,
 ) -> Vec<Action> {
     let rect = ui.available_rect_before_wrap();
     frame.size_px = size_px(rect, ui.ctx().pixels_per_point());
@@ -159,7 +159,7 @@ fn draw_layers(
     painter: &egui::Painter,
     rect: Rect,
     state: &AppState,
-    curve: Option<(Build, Rule)>,
+    curve: Option<(PendulumSpec, Rule)>,
 ) {
     let screen = state.screen();
     if state.layers.borders {

@@ -385,7 +385,7 @@ impl AppModel {
             Ok(document) => {
                 self.settings.remember(path);
                 if let Some(effect) = self.state.apply(Action::Show(Box::new(document))) {
-                    self.affect(effect);
+                    self.perform(effect);
                 }
             }
             Err(error) => self.state.notices.fail(format!("{error}.")),

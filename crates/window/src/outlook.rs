@@ -12,7 +12,7 @@ use super::time_left::TimeLeft;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
-use flipmap_engine::trust::Outlook;
+use flipmap_engine::trust::AccuracyEstimate;
 use flipmap_engine::{Accuracy, Cells, EngineError, IntegratorConfig};
 use flipmap_render::tiles::outlook;
 use flipmap_render::tiles::view_target::ViewTarget;
@@ -34,12 +34,12 @@ pub(super) struct Estimates {
 pub(super) struct Forecast {
     asked: Option<ViewTarget>,
     flying: Option<OutlookThread>,
-    known: Option<Outlook>,
+    known: Option<AccuracyEstimate>,
 }
 
 /// A thread that estimates the outlook from a sample of starts.
 struct OutlookThread {
-    answer: Receiver<Outlook>,
+    answer: Receiver<AccuracyEstimate>,
     stopped: Arc<AtomicBool>,
 }
 
@@ -128,7 +128,7 @@ fn look(
     scene: &Scene,
     config: IntegratorConfig,
     stop: &AtomicBool,
-) -> Result<Option<Outlook>, EngineError> {
+) -> Result<Option<AccuracyEstimate>, EngineError> {
     let mut engine = DepthEngine::new(Box::new(CpuEngine::new(Some(1))?), Some(1))?;
     let how = (config, Cells::Auto);
     outlook(scene, SIZE, how, &mut engine, &|| !stop.load(Ordering::Relaxed))
@@ -139,10 +139,10 @@ mod tests {
     use super::*;
     use crate::compute_service::woken;
     use flipmap_engine::level::BALANCED;
-    use flipmap_numbers::Theta;
+    use flipmap_numbers::Exact;
     use flipmap_render::tiles::view_target::Physics;
     use flipmap_scene::lattice::Region;
-    use flipmap_scene::{Budget, QuestionTable};
+    use flipmap_scene::{Budget, QuestionSettings};
     use std::time::Duration;
 
     #[test]
@@ -150,10 +150,11 @@ mod tests {
         let (wake, woken) = woken();
         let mut forecast = Forecast::default();
         let mut warning_after = |secs: f64| {
-            let question = QuestionTable { budget: Budget::secs(secs), ..QuestionTable::default() };
+            let question =
+                QuestionSettings { budget: Budget::secs(secs), ..QuestionSettings::default() };
             let scene = Scene { question, ..Scene::default() }.checked().unwrap();
             let physics = Physics::of(&scene, BALANCED, false);
-            let region = Region { center: [Theta::ZERO; 2], half_rad: [3.0; 2], repeats: true };
+            let region = Region { center: [Exact::ZERO; 2], half_rad: [3.0; 2], repeats: true };
             let pointer = None;
             let target = ViewTarget {
                 physics,

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use glam::DVec2;
 
 use super::camera::Screen;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_render::tiles::explorer::MAX_CELLS;
 use flipmap_scene::Axis;
 use flipmap_scene::lattice::side_rad;
@@ -58,29 +58,29 @@ impl Spacing {
     }
 
     /// Returns the distance between lines in units of π.
-    fn step(self) -> Theta {
+    fn step(self) -> Exact {
         match self {
-            Spacing::Binary(power) => Theta::from_f64(0.5f64.powi(power)),
+            Spacing::Binary(power) => Exact::from_f64(0.5f64.powi(power)),
             Spacing::Decimal(times, digits) => {
-                Theta::parse(&format!("{times}e-{digits}")).unwrap_or_default()
+                Exact::parse(&format!("{times}e-{digits}")).unwrap_or_default()
             }
         }
     }
 
     /// Returns a line near a place, in π: 0, or a round number of fewer digits than the lines.
-    fn base(self, near: Theta) -> Theta {
+    fn base(self, near: Exact) -> Exact {
         match self {
-            Spacing::Binary(_) => Theta::ZERO,
+            Spacing::Binary(_) => Exact::ZERO,
             Spacing::Decimal(_, digits) => {
-                Theta::parse(&near.decimal(digits.max(1) as usize - 1)).unwrap_or_default()
+                Exact::parse(&near.decimal(digits.max(1) as usize - 1)).unwrap_or_default()
             }
         }
     }
 
     /// Returns the name of the line this many steps from the base, which is at `share` of π.
-    fn name(self, steps: i64, share: Theta) -> String {
+    fn name(self, steps: i64, share: Exact) -> String {
         match self {
-            _ if share == Theta::ZERO => "0".to_string(),
+            _ if share == Exact::ZERO => "0".to_string(),
             Spacing::Binary(power) => binary_part_of_pi(steps, power),
             Spacing::Decimal(_, digits) => {
                 format!("{}π", share.decimal(digits as usize).replace('-', "−"))
@@ -98,11 +98,11 @@ pub(crate) fn grid_lines(screen: &Screen) -> Vec<GridLine> {
     let mut lines = Vec::new();
     for axis in 0..2 {
         let (center, half) = (region.center[axis], region.half_rad[axis]);
-        let base = spacing.base(center / Theta::pi());
-        let from_center = (base * Theta::pi() - center).to_f64();
+        let base = spacing.base(center / Exact::pi());
+        let from_center = (base * Exact::pi() - center).to_f64();
         let mut steps = ((-half - from_center) / step_rad).ceil();
         while from_center + steps * step_rad <= half {
-            let share = base + step * Theta::from_f64(steps);
+            let share = base + step * Exact::from_f64(steps);
             let offset_rad = from_center + steps * step_rad;
             lines.push(GridLine { axis, name: spacing.name(steps as i64, share), offset_rad });
             steps += 1.0;
@@ -248,7 +248,7 @@ mod tests {
     use crate::reach::Reach;
 
     fn screen(center: [&str; 2], width_rad: f64) -> Screen {
-        let center = center.map(|text| Theta::parse(text).unwrap());
+        let center = center.map(|text| Exact::parse(text).unwrap());
         let camera = Camera { center, width_rad, ..Camera::whole(Reach::TORUS) };
         Screen { camera, size: DVec2::new(640.0, 480.0), pixels_per_point: 1.0 }
     }
@@ -284,7 +284,7 @@ mod tests {
     fn lines_of_speeds_are_round_numbers() {
         let reach = Reach { doublings: 4, repeats: false };
         let camera = Camera {
-            center: [0.5, 0.0].map(Theta::from_f64),
+            center: [0.5, 0.0].map(Exact::from_f64),
             width_rad: 1.0,
             ..Camera::whole(reach)
         };
@@ -306,11 +306,11 @@ mod tests {
             assert!((2..=20).contains(&lines.len()), "{} at {width_rad:e}", lines.len());
             for line in lines {
                 let Some(share) =
-                    line.name.replace('−', "-").strip_suffix('π').and_then(Theta::parse)
+                    line.name.replace('−', "-").strip_suffix('π').and_then(Exact::parse)
                 else {
                     continue;
                 };
-                let at = share * Theta::pi() - screen.camera.center[line.axis];
+                let at = share * Exact::pi() - screen.camera.center[line.axis];
                 assert!((at.to_f64() - line.offset_rad).abs() < 1e-6 * width_rad, "{line:?}");
             }
             width_rad *= 0.37;

@@ -6,7 +6,7 @@ use glam::DVec2;
 use super::camera::Screen;
 use super::overlay::position;
 use super::state::AppState;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 
 /// Number of points per line of equal opacity.
 const BAND: usize = 16;
@@ -43,7 +43,7 @@ fn unbroken(screen: &Screen, angles: impl Iterator<Item = [f64; 2]>) -> Vec<Vec<
     let mut lines: Vec<Vec<DVec2>> = Vec::new();
     let mut before: Option<DVec2> = None;
     for angle in angles {
-        let offset = screen.camera.offset_of(angle.map(|theta| Theta::from_f64(theta).wrapped()));
+        let offset = screen.camera.offset_of(angle.map(|theta| Exact::from_f64(theta).wrapped()));
         let point = screen.point_of(offset);
         if !point.is_finite() || point.abs().max_element() > FAR {
             before = None;

@@ -1,7 +1,7 @@
 //! The start of a pinned pixel, at rest or with speeds.
 
 use super::reach::Reach;
-use flipmap_numbers::Theta;
+use flipmap_numbers::Exact;
 use flipmap_pendulum::Launch;
 use flipmap_scene::Scene;
 
@@ -9,31 +9,31 @@ use flipmap_scene::Scene;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinStart {
     /// Place on the lattice of the plane that is shown; none on another plane.
-    pub place: Option<[Theta; 2]>,
+    pub place: Option<[Exact; 2]>,
     /// θ1 and θ2 of the pixel in rad, to all digits of a pixel at rest.
-    pub angle: [Theta; 2],
+    pub angle: [Exact; 2],
     /// Starts of the pixel and of its neighbour.
     pub launches: [Launch; 2],
 }
 
 impl PinStart {
     /// The start of a pixel of the map from rest and of the one beside it, θ1 and θ2 in rad.
-    pub fn at_rest(angles: [[Theta; 2]; 2]) -> Self {
-        let launches = angles.map(|angle| Launch::at_rest(angle.map(Theta::to_dd)));
+    pub fn at_rest(angles: [[Exact; 2]; 2]) -> Self {
+        let launches = angles.map(|angle| Launch::at_rest(angle.map(Exact::to_dd)));
         PinStart { place: Some(angles[0]), angle: angles[0], launches }
     }
 
     /// The start of a pixel of a scene's plane at a place of its lattice, with the neighbour's
     /// place; none where a section has no pendulum.
-    pub(crate) fn on_plane(scene: &Scene, reach: Reach, places: [[Theta; 2]; 2]) -> Option<Self> {
+    pub(crate) fn on_plane(scene: &Scene, reach: Reach, places: [[Exact; 2]; 2]) -> Option<Self> {
         if scene.plane.is_at_rest() {
             return Some(PinStart::at_rest(places));
         }
         let pendulum = scene.build.pendulum_in();
-        let at = |place| scene.plane.launch(&pendulum, reach.coordinates(place).map(Theta::to_dd));
+        let at = |place| scene.plane.launch(&pendulum, reach.coordinates(place).map(Exact::to_dd));
         let own = at(places[0])?;
         let beside = at(places[1]).unwrap_or(own);
-        let angle = own.angle.map(Theta::from_dd);
+        let angle = own.angle.map(Exact::from_dd);
         Some(PinStart { place: Some(places[0]), angle, launches: [own, beside] })
     }
 }
@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn a_place_of_another_plane_is_a_start_with_speeds() {
-        let places = [[0.5, 0.25], [0.51, 0.25]].map(|place| place.map(Theta::from_f64));
+        let places = [[0.5, 0.25], [0.51, 0.25]].map(|place| place.map(Exact::from_f64));
         let start = |plane: Plane| {
             let scene = Scene { plane, ..Scene::default() };
             PinStart::on_plane(&scene, Reach::of(&scene), places)

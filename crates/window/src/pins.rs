@@ -4,9 +4,9 @@ use egui::Color32;
 
 use super::flight::{Flight, Playback, Trail};
 use super::pin_start::PinStart;
-use flipmap_engine::{Question, Trust};
+use flipmap_engine::{EventSpec, Trust};
 use flipmap_pendulum::Outcome;
-use flipmap_scene::{Build, Scene};
+use flipmap_scene::{PendulumSpec, Scene};
 
 /// Largest number of pins at once.
 pub(crate) const MAX_PINS: usize = 8;
@@ -101,8 +101,8 @@ pub enum PinAction {
 /// All pins, and the physics that their flights follow.
 #[derive(Debug)]
 pub struct Pins {
-    build: Build,
-    question: Question,
+    build: PendulumSpec,
+    question: EventSpec,
     list: Vec<Pin>,
     clock: Playback,
     selected: Option<PinId>,
@@ -116,7 +116,7 @@ impl Pins {
     pub fn new(scene: &Scene) -> Self {
         Pins {
             build: scene.build,
-            question: Question::from(scene),
+            question: EventSpec::from(scene),
             list: Vec::new(),
             clock: Playback::default(),
             selected: None,
@@ -126,7 +126,7 @@ impl Pins {
     }
 
     /// Returns the pendulum as it is built.
-    pub(crate) fn build(&self) -> &Build {
+    pub(crate) fn build(&self) -> &PendulumSpec {
         &self.build
     }
 
@@ -237,7 +237,7 @@ impl Pins {
     /// Follows a change of the scene: if the pendulum or the question has changed, relaunches all
     /// flights and forgets the outcomes that the map showed for the pins.
     pub(crate) fn relaunch(&mut self, scene: &Scene, wake: impl Fn() + Clone + Send + 'static) {
-        let question = Question::from(scene);
+        let question = EventSpec::from(scene);
         self.build = scene.build;
         if question == self.question {
             return;
@@ -373,7 +373,7 @@ mod tests {
         pins.relaunch(&Scene { view, ..Scene::default() }, || ());
         assert!(pins.selected().unwrap().told.is_some());
 
-        let build = Build { gravity: Decimal::from(9.81 * 4.0), ..Build::default() };
+        let build = PendulumSpec { gravity: Decimal::from(9.81 * 4.0), ..PendulumSpec::default() };
         pins.relaunch(&Scene { build, ..Scene::default() }, || ());
         assert!(pins.selected().unwrap().told.is_none());
         wait(&mut pins);

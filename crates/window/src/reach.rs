@@ -1,6 +1,6 @@
 //! The part of a plane of starts that the window can reach, and the scale of its lattice.
 
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::Scene;
 
 /// Scale and extent of the lattice, a square from −π to π, on a plane of starts.
@@ -28,28 +28,28 @@ impl Reach {
     }
 
     /// The place of coordinates on the lattice, in lattice radians.
-    pub(crate) fn place(self, coordinates: [Theta; 2]) -> [Theta; 2] {
+    pub(crate) fn place(self, coordinates: [Exact; 2]) -> [Exact; 2] {
         self.inside(coordinates.map(|x| x.halved(self.doublings)))
     }
 
     /// The coordinates of a place, in the units of the axes.
-    pub(crate) fn coordinates(self, place: [Theta; 2]) -> [Theta; 2] {
+    pub(crate) fn coordinates(self, place: [Exact; 2]) -> [Exact; 2] {
         place.map(|x| x.doubled(self.doublings))
     }
 
     /// A place within the square: round the torus, or at the nearest side.
-    pub(crate) fn inside(self, place: [Theta; 2]) -> [Theta; 2] {
-        let pi = Theta::pi();
-        let bounded = |x: Theta| match x {
+    pub(crate) fn inside(self, place: [Exact; 2]) -> [Exact; 2] {
+        let pi = Exact::pi();
+        let bounded = |x: Exact| match x {
             _ if x > pi => pi,
             _ if x < -pi => -pi,
             _ => x,
         };
-        if self.repeats { place.map(Theta::wrapped) } else { place.map(bounded) }
+        if self.repeats { place.map(Exact::wrapped) } else { place.map(bounded) }
     }
 
     /// The difference of two places, the short way round a torus, in lattice radians.
-    pub(crate) fn difference(self, to: [Theta; 2], from: [Theta; 2]) -> [f64; 2] {
+    pub(crate) fn difference(self, to: [Exact; 2], from: [Exact; 2]) -> [f64; 2] {
         [0, 1].map(|i| {
             let by = to[i] - from[i];
             if self.repeats { by.wrapped().to_f64() } else { by.to_f64() }
@@ -63,13 +63,13 @@ mod tests {
 
     #[test]
     fn a_bounded_plane_ends_where_a_torus_goes_on() {
-        let place = [3.5, -3.5].map(Theta::from_f64);
-        let torus = Reach::TORUS.inside(place).map(Theta::to_f64);
+        let place = [3.5, -3.5].map(Exact::from_f64);
+        let torus = Reach::TORUS.inside(place).map(Exact::to_f64);
         assert!(torus[0] < -2.0 && torus[1] > 2.0);
         let bounded = Reach { doublings: 4, repeats: false };
-        assert_eq!(bounded.inside(place), [Theta::pi(), -Theta::pi()]);
-        let speeds = bounded.coordinates([0.5, -0.25].map(Theta::from_f64));
-        assert_eq!(speeds.map(Theta::to_f64), [8.0, -4.0]);
-        assert_eq!(bounded.place(speeds).map(Theta::to_f64), [0.5, -0.25]);
+        assert_eq!(bounded.inside(place), [Exact::pi(), -Exact::pi()]);
+        let speeds = bounded.coordinates([0.5, -0.25].map(Exact::from_f64));
+        assert_eq!(speeds.map(Exact::to_f64), [8.0, -4.0]);
+        assert_eq!(bounded.place(speeds).map(Exact::to_f64), [0.5, -0.25]);
     }
 }

@@ -18,10 +18,10 @@ use super::settings::{Appearance, Layers, Settings};
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::{Accuracy, IntegratorConfig};
 use flipmap_lab::Figure;
-use flipmap_numbers::Theta;
+use flipmap_numbers::Exact;
 use flipmap_pendulum::State;
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
-use flipmap_scene::{Build, Document, PictureTable, Plane, QuestionTable, Scene};
+use flipmap_scene::{Document, PendulumSpec, PictureTable, Plane, QuestionSettings, Scene};
 
 /// A panel or window that opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +81,7 @@ pub enum Effect {
     /// Opens an engine for the setting.
     Reopen,
     /// Launches a flight for the pixel at a place of the lattice, and for its neighbour's.
-    Pin(Box<[[Theta; 2]; 2]>),
+    Pin(Box<[[Exact; 2]; 2]>),
     /// Starts or stops an automatic descent.
     GoDeeper,
     /// Shows a figure of the laboratory, or the map again.
@@ -106,9 +106,9 @@ pub enum Effect {
 #[derive(Debug)]
 pub struct AppState {
     /// Pendulum that is shown.
-    pub build: Build,
+    pub build: PendulumSpec,
     /// Question that is asked about it.
-    pub question: QuestionTable,
+    pub question: QuestionSettings,
     /// Plane of starts that the view lies in.
     pub plane: Plane,
     /// Colours of the map.
@@ -329,7 +329,7 @@ impl AppState {
     }
 
     /// Returns the starts of the sample drawn at a point, and of its neighbour to the right.
-    fn pixel_at(&self, point: DVec2) -> [[Theta; 2]; 2] {
+    fn pixel_at(&self, point: DVec2) -> [[Exact; 2]; 2] {
         let screen = self.screen();
         super::hover::sample_at(screen.angle_at(point), screen.level())
     }
@@ -404,7 +404,7 @@ pub(super) mod tests {
     use flipmap_engine::{Method, Precision};
     use flipmap_numbers::Scalar;
     use flipmap_scene::Budget;
-    use flipmap_scene::question::Ask;
+    use flipmap_scene::question::QuestionName;
 
     /// Returns the state of a window with the home scene.
     pub(crate) fn state() -> AppState {
@@ -540,10 +540,10 @@ pub(super) mod tests {
         };
         look(&mut state, Look::Zoom { factor: 8.0, about: DVec2::new(90.0, 10.0) });
         let before = state.camera;
-        ask(&mut state, |scene| scene.question.ask = Ask::State);
+        ask(&mut state, |scene| scene.question.ask = QuestionName::State);
         assert_eq!(state.camera, before);
         state.picture.channel = Some("omega1".to_string());
-        ask(&mut state, |scene| scene.question.ask = Ask::Flip);
+        ask(&mut state, |scene| scene.question.ask = QuestionName::Flip);
         assert_eq!(state.picture.channel, None, "flips have no speeds");
         ask(&mut state, |scene| scene.plane.kind = "speeds".parse().unwrap());
         assert_eq!(state.camera, Camera::whole(state.camera.reach));
@@ -564,7 +564,7 @@ pub(super) mod tests {
         state.apply(Action::Picture(picture));
         state.apply(Action::Layers(Layers { grid: true, ..state.layers }));
         assert_eq!(state.view_target(config), before);
-        let question = QuestionTable { budget: Budget::secs(60.0), ..state.question };
+        let question = QuestionSettings { budget: Budget::secs(60.0), ..state.question };
         let scene = Scene { question, ..state.scene() };
         assert_eq!(state.apply(Action::Scene(Box::new(scene))), Some(Effect::Relaunch));
         assert_ne!(state.view_target(config), before);

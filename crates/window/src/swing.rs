@@ -2,7 +2,7 @@
 
 use super::pin_start::PinStart;
 use super::reach::Reach;
-use flipmap_numbers::Theta;
+use flipmap_numbers::Exact;
 use flipmap_pendulum::phase::{Phase, rk4};
 use flipmap_pendulum::{Pendulum, State};
 use flipmap_scene::Scene;
@@ -22,7 +22,7 @@ pub(crate) struct HoverSwing {
 
 #[derive(Debug)]
 struct Swinging {
-    place: [Theta; 2],
+    place: [Exact; 2],
     scene: Scene,
     pendulum: Pendulum<f64>,
     phase: Phase<f64>,
@@ -38,7 +38,7 @@ impl HoverSwing {
     pub(crate) fn follow(
         &mut self,
         scene: &Scene,
-        place: Option<[Theta; 2]>,
+        place: Option<[Exact; 2]>,
         now_secs: f64,
     ) -> Option<[f64; 2]> {
         let is_here = |s: &Swinging| Some(s.place) == place && s.scene == *scene;
@@ -57,7 +57,7 @@ impl HoverSwing {
 }
 
 impl Swinging {
-    fn at(scene: &Scene, place: [Theta; 2], since_secs: f64) -> Option<Self> {
+    fn at(scene: &Scene, place: [Exact; 2], since_secs: f64) -> Option<Self> {
         let start = PinStart::on_plane(scene, Reach::of(scene), [place; 2])?;
         let launch = start.launches[0];
         let pendulum = scene.build.pendulum();
@@ -89,8 +89,8 @@ mod tests {
     use flipmap_numbers::Scalar;
     use flipmap_pendulum::taylor::Orbit;
 
-    fn place(angle: [f64; 2]) -> Option<[Theta; 2]> {
-        Some(angle.map(Theta::from_f64))
+    fn place(angle: [f64; 2]) -> Option<[Exact; 2]> {
+        Some(angle.map(Exact::from_f64))
     }
 
     #[test]

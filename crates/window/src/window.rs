@@ -178,12 +178,12 @@ impl Runner {
         }
         self.input_since = began;
         for effect in effects {
-            self.affect(event_loop, effect);
+            self.perform(event_loop, effect);
         }
     }
 
     /// Carries out an effect that only the window can.
-    fn affect(&mut self, event_loop: &ActiveEventLoop, effect: Effect) {
+    fn perform(&mut self, event_loop: &ActiveEventLoop, effect: Effect) {
         let Some(open) = &mut self.open else { return };
         match effect {
             Effect::Quit => event_loop.exit(),

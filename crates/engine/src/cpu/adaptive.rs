@@ -12,7 +12,7 @@ use super::stretch::{Stretch, StretchEnd, vectorized};
 use super::{step_control, turns};
 use crate::pace::Adaptive;
 use crate::start::{self, STEP, TIME, TIME_LOW};
-use crate::{End, NUMBERS};
+use crate::{FinalState, NUMBERS};
 use flipmap_numbers::{Dd, Real};
 use flipmap_pendulum::control::LONGEST;
 use flipmap_pendulum::crossing::{FAR, StepState, beyond_top, height_beyond};
@@ -284,7 +284,7 @@ impl AdaptiveLanes<'_> {
             if over || self.scheduler.pass(lane, bob, anticlockwise) {
                 // A saved pendulum continues from before the step in which it flips.
                 self.scheduler.put(lane, *numbers);
-                self.scheduler.finish(lane, outcome, |scheduler| End {
+                self.scheduler.finish(lane, outcome, |scheduler| FinalState {
                     time,
                     phase: top().phase,
                     ..scheduler.end_of_phase(lane)

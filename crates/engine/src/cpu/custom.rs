@@ -10,7 +10,9 @@ use super::lanes::F64Lanes;
 use super::pair::{EmbeddedPair, OnCubic};
 use super::{CHUNK, adaptive};
 use crate::pace::{Adaptive, Pace};
-use crate::{EngineError, IntegratorConfig, Job, Keep, Method, Precision, Question, Starts, start};
+use crate::{
+    EngineError, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, start,
+};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::Outcome;
 use flipmap_pendulum::control::Control;
@@ -20,7 +22,7 @@ use flipmap_pendulum::control::Control;
 /// allowed in a step at the release. Step size control and the search for crossings of the top are
 /// those of flipmap's own methods.
 pub fn outcomes<P: EmbeddedPair>(
-    question: &Question,
+    question: &EventSpec,
     tolerance: f64,
     angles: &[[Dd; 2]],
 ) -> Result<Vec<Outcome>, EngineError> {

@@ -8,7 +8,7 @@ use super::slowed::slowed_lanes;
 use super::stretch::{Stretch, StretchEnd, vectorized};
 use crate::pace::Steps;
 use crate::start::{angles_of, whole_turns};
-use crate::{End, NUMBERS, Precision};
+use crate::{FinalState, NUMBERS, Precision};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::flip::{fraction_of_step, may_pass};
 use flipmap_pendulum::integrator::rk4;
@@ -304,7 +304,7 @@ impl FixedStepLanes<'_> {
             let (turns, passes) = (state.angle.map(whole_turns), scheduler.passes[lane]);
             let gathered = Accumulators { turns, passes, ..Accumulators::NONE };
             let phase = reduced.phase(&state);
-            End { time: steps * length, phase, gathered, ..End::NOWHERE }
+            FinalState { time: steps * length, phase, gathered, ..FinalState::NOWHERE }
         });
     }
 

@@ -5,7 +5,7 @@ use super::one_by_one::{self, WalkProgress, Walker, dynamics, phase_in};
 use super::pair::EmbeddedPair;
 use crate::pace::Pace;
 use crate::start::{STEP, TIME, end_with_growth};
-use crate::{Carried, End, IntegratorState, NUMBERS, Precision};
+use crate::{Carried, FinalState, IntegratorState, NUMBERS, Precision};
 use flipmap_numbers::Scalar;
 use flipmap_numbers::dual::Dual;
 use flipmap_pendulum::Pendulum;
@@ -31,7 +31,7 @@ pub(super) fn run<R: Scalar, P: EmbeddedPair>(chunk: &Chunk) -> Option<ChunkResu
     let begin = |start: &IntegratorState| {
         Growing::<R, P>::of(&pendulum, scale, start, chunk.config.precision)
     };
-    let end = |left: &IntegratorState| -> End { end_with_growth(&reduced, left) };
+    let end = |left: &IntegratorState| -> FinalState { end_with_growth(&reduced, left) };
     one_by_one::run(chunk, begin, end)
 }
 

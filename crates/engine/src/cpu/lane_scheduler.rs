@@ -31,7 +31,8 @@ use super::lanes::MAX_LANES;
 use crate::pace::Pace;
 use crate::start::{TIME, TIME_LOW, phase_of};
 use crate::{
-    Carried, Effort, End, Ends, IntegratorConfig, IntegratorState, Keep, NUMBERS, Question,
+    Carried, Effort, EventSpec, FinalState, IntegratorConfig, IntegratorState, Keep, NUMBERS,
+    WantedEnd,
 };
 use flipmap_pendulum::crossing::FAR;
 use flipmap_pendulum::{Accumulators, Outcome, Rule, Status};
@@ -39,7 +40,7 @@ use flipmap_pendulum::{Accumulators, Outcome, Rule, Status};
 /// A chunk of a job, with all that its lanes need.
 pub(super) struct Chunk<'a> {
     /// The question to answer for each start.
-    pub question: &'a Question,
+    pub question: &'a EventSpec,
     /// The method and the precision.
     pub config: IntegratorConfig,
     /// The steps over the budget.
@@ -55,7 +56,7 @@ pub(super) struct Chunk<'a> {
 impl Chunk<'_> {
     /// Returns true if ends are computed: for the job's caller, or for the counts in its states.
     fn keeps_ends(&self) -> bool {
-        self.keep.ends != Ends::None || (self.keep.states && self.question.counts())
+        self.keep.ends != WantedEnd::None || (self.keep.states && self.question.counts())
     }
 }
 
@@ -69,7 +70,7 @@ pub(super) struct ChunkResult {
     /// they flipped.
     pub states: Vec<IntegratorState>,
     /// Ends, in that order.
-    pub ends: Vec<End>,
+    pub ends: Vec<FinalState>,
     /// Work done for the chunk.
     pub effort: Effort,
 }
@@ -119,7 +120,7 @@ impl<'a> LaneScheduler<'a> {
         let answer = ChunkResult {
             outcomes: vec![Outcome::without_time(Status::Unflipped); count],
             states: if chunk.keep.states { chunk.starts.to_vec() } else { Vec::new() },
-            ends: if chunk.keeps_ends() { vec![End::NOWHERE; count] } else { Vec::new() },
+            ends: if chunk.keeps_ends() { vec![FinalState::NOWHERE; count] } else { Vec::new() },
             effort: Effort::default(),
         };
         let mut scheduler = LaneScheduler {
@@ -216,9 +217,9 @@ impl<'a> LaneScheduler<'a> {
     }
 
     /// The end of the pendulum in a lane, if its numbers are unit vectors and momenta.
-    pub(super) fn end_of_phase(&self, lane: usize) -> End {
+    pub(super) fn end_of_phase(&self, lane: usize) -> FinalState {
         let numbers = self.numbers(lane);
-        End {
+        FinalState {
             time: numbers[TIME] + numbers[TIME_LOW],
             phase: phase_of(&numbers),
             clearance: self.clearance[lane],
@@ -227,13 +228,18 @@ impl<'a> LaneScheduler<'a> {
                 passes: self.passes[lane],
                 ..Accumulators::NONE
             },
-            ..End::NOWHERE
+            ..FinalState::NOWHERE
         }
     }
 
     /// Records a lane's outcome, and its end and state where the job keeps them; leaves the lane idle.
     /// `end` computes the end.
-    pub(super) fn finish(&mut self, lane: usize, outcome: Outcome, end: impl FnOnce(&Self) -> End) {
+    pub(super) fn finish(
+        &mut self,
+        lane: usize,
+        outcome: Outcome,
+        end: impl FnOnce(&Self) -> FinalState,
+    ) {
         let start = std::mem::replace(&mut self.start[lane], IDLE);
         self.answer.outcomes[start] = outcome;
         let end = self.chunk.keeps_ends().then(|| end(self));

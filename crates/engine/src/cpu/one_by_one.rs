@@ -7,7 +7,7 @@ use super::lane_scheduler::{Chunk, ChunkResult};
 use super::pair::EmbeddedPair;
 use crate::pace::Pace;
 use crate::start::phase_of;
-use crate::{End, IntegratorState, NUMBERS, Precision};
+use crate::{FinalState, IntegratorState, NUMBERS, Precision};
 use flipmap_numbers::{Dd, Real, Scalar};
 use flipmap_pendulum::control::LONGEST;
 use flipmap_pendulum::embedded::plus;
@@ -48,7 +48,7 @@ pub(super) trait Walker {
 pub(super) fn run<W: Walker>(
     chunk: &Chunk,
     begin: impl Fn(&IntegratorState) -> W,
-    end: impl Fn(&IntegratorState) -> End,
+    end: impl Fn(&IntegratorState) -> FinalState,
 ) -> Option<ChunkResult> {
     let (_, unit_secs) = chunk.question.reduced();
     let until = chunk.question.budget_secs / unit_secs;

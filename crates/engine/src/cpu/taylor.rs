@@ -11,7 +11,7 @@ use super::number::{Number, load_phase, store_phase};
 use super::slowed::finish_slowed;
 use super::stretch::{Stretch, vectorized};
 use super::turns;
-use crate::End;
+use crate::FinalState;
 use crate::pace::Adaptive;
 use crate::start::{TIME, TIME_LOW};
 use flipmap_numbers::polynomial::{bernstein, course, evaluate, halves};
@@ -336,7 +336,7 @@ impl<N: Number> TaylorLaneState<N> {
                 let numbers = before.map(|row| row[lane]);
                 scheduler.put(lane, numbers);
                 let time = numbers[TIME] + (numbers[TIME_LOW] + into_step);
-                scheduler.finish(lane, adaptive.outcome_of_pass(time), |lanes| End {
+                scheduler.finish(lane, adaptive.outcome_of_pass(time), |lanes| FinalState {
                     time,
                     phase,
                     ..lanes.end_of_phase(lane)

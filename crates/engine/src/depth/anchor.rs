@@ -8,7 +8,7 @@ use super::domain_splitting::{DomainSplitting, SplitRequest};
 use super::finished_patch::FinishedPatch;
 use super::part::{Branch, BranchState, PlacedStart, SplitNode, SplitPart};
 use flipmap_numbers::jet::Jet;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::flow_patch::{FlowPatch, PatchEnd};
 use flipmap_pendulum::reference::{Reference, bits_for, digits_for, reference};
 use flipmap_pendulum::{Pendulum, State};
@@ -93,8 +93,8 @@ impl DomainSplitting {
         &self,
         cell: Cell,
         at: [f64; 2],
-    ) -> Option<(Pendulum<Theta>, State<Theta>)> {
-        let (pendulum, unit_secs) = self.build.reduced_in::<Theta>();
+    ) -> Option<(Pendulum<Exact>, State<Exact>)> {
+        let (pendulum, unit_secs) = self.build.reduced_in::<Exact>();
         let start = self.plane.start(&cell, at)?;
         Some((pendulum, State { speed: start.speed.map(|speed| speed * unit_secs), ..start }))
     }
@@ -107,7 +107,7 @@ impl DomainSplitting {
             return SplitNode { patch: FlowPatch::undescribed(&self.dynamics), edge: None };
         };
         let phase = exact.phase(&start);
-        let [x1, y1, x2, y2, p1, p2] = phase.map(Theta::to_f64);
+        let [x1, y1, x2, y2, p1, p2] = phase.map(Exact::to_f64);
         let patch = if self.plane.is_at_rest() {
             self.released_from_rest([(y1, x1), (y2, x2)], cell.level)
         } else {

@@ -1,7 +1,7 @@
 //! Selections of deep starts, and their exact states.
 
-use crate::{Deep, Ends, Leaf, Question, StartList, Starts};
-use flipmap_numbers::{Dd, Scalar, Theta};
+use crate::{Deep, EventSpec, Leaf, StartList, Starts, WantedEnd};
+use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::{Launch, State};
 use flipmap_scene::lattice::Cell;
@@ -34,7 +34,7 @@ impl Deep {
 
     /// The starts, angles in (−π, π] rad and speeds in rad/s; none where a section has no real
     /// solution.
-    pub(crate) fn exact(&self) -> impl Iterator<Item = Option<State<Theta>>> {
+    pub(crate) fn exact(&self) -> impl Iterator<Item = Option<State<Exact>>> {
         self.places().map(|(cell, at)| self.plane.start(&cell, at))
     }
 
@@ -45,9 +45,9 @@ impl Deep {
 
     /// The starts for an integration from their release, to the precision of double-double, or of more
     /// beside the top.
-    pub(crate) fn rounded(&self, question: &Question, ends: Ends) -> Starts {
+    pub(crate) fn rounded(&self, question: &EventSpec, ends: WantedEnd) -> Starts {
         let opening = question.opening(ends);
-        let unit_secs = question.reduced_in::<Theta>().1;
+        let unit_secs = question.reduced_in::<Exact>().1;
         let mut starts = StartList::default();
         for start in self.exact() {
             // A start that does not exist is forbidden on every start map, so none gets here.
@@ -57,12 +57,12 @@ impl Deep {
             };
             let reduced = State { speed: start.speed.map(|speed| speed * unit_secs), ..start };
             let from_top = start.angle.map(|angle| from_top(angle).to_f64());
-            if opening.concerns(from_top, reduced.speed.map(Theta::to_f64)) {
+            if opening.concerns(from_top, reduced.speed.map(Exact::to_f64)) {
                 starts.push_beside_top(Box::new(opening.first_moments(&reduced)));
             } else if self.plane.is_at_rest() {
-                starts.push_at_rest(start.angle.map(Theta::to_dd));
+                starts.push_at_rest(start.angle.map(Exact::to_dd));
             } else {
-                let [angle, speed] = [start.angle, start.speed].map(|pair| pair.map(Theta::to_dd));
+                let [angle, speed] = [start.angle, start.speed].map(|pair| pair.map(Exact::to_dd));
                 starts.push_thrown(Launch { angle, speed });
             }
         }

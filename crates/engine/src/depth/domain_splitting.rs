@@ -31,16 +31,16 @@ use super::anchor::{Anchor, anchor_level};
 use super::finished_patch::{FinishedPatch, PartKey};
 use super::following::Following;
 use super::part::{Branch, BranchState, Cut, PlacedStart, SplitNode, SplitPart};
-use crate::{Deep, Ends, Leaf, Moving, Question};
+use crate::{Deep, EventSpec, Leaf, Moving, WantedEnd};
 use flipmap_numbers::frame::Frame;
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::crossing::FAR;
 use flipmap_pendulum::flow_patch::{Dynamics, FlowPatch, PatchEnd};
 use flipmap_pendulum::opening::{Opening, from_top};
 use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::{Rule, control};
 use flipmap_scene::lattice::Cell;
-use flipmap_scene::{Build, ExactPlane};
+use flipmap_scene::{ExactPlane, PendulumSpec};
 
 /// Largest part of a leaf's states that its polynomials may leave out. Further up, what is left out
 /// grows with the cells that are cut, so the tolerance is halved with every level above the leaves.
@@ -66,7 +66,7 @@ const MANY_STARTS: usize = 1 << 16;
 /// The domain splitting of one pendulum, rule and plane.
 pub(super) struct DomainSplitting {
     pub dynamics: Dynamics,
-    pub build: Build,
+    pub build: PendulumSpec,
     pub rule: Rule,
     pub plane: ExactPlane,
     pub strict: bool,
@@ -102,15 +102,15 @@ pub(super) struct Distribution {
 }
 
 impl DomainSplitting {
-    pub(super) fn new(question: &Question, deep: &Deep, nudges: bool) -> Self {
-        let ends = if nudges { Ends::Growth } else { Ends::Plain };
+    pub(super) fn new(question: &EventSpec, deep: &Deep, nudges: bool) -> Self {
+        let ends = if nudges { WantedEnd::Growth } else { WantedEnd::Plain };
         DomainSplitting {
             dynamics: Dynamics::new(question.reduced().0, question.rule),
             build: question.build,
             rule: question.rule,
             plane: *deep.plane,
             strict: deep.strict,
-            opening: Question { budget_secs: f64::INFINITY, ..*question }.opening(ends),
+            opening: EventSpec { budget_secs: f64::INFINITY, ..*question }.opening(ends),
             nudges,
             anchors: Mutex::default(),
             #[cfg(feature = "sabotage")]
@@ -126,7 +126,7 @@ impl DomainSplitting {
         self
     }
 
-    pub(super) fn is_of(&self, question: &Question, deep: &Deep, nudges: bool) -> bool {
+    pub(super) fn is_of(&self, question: &EventSpec, deep: &Deep, nudges: bool) -> bool {
         let alike = self.build == question.build && self.rule == question.rule;
         let together = self.plane == *deep.plane && self.strict == deep.strict;
         alike && together && self.nudges == nudges
@@ -270,7 +270,7 @@ impl DomainSplitting {
             return node;
         };
         let patch =
-            node.patch.with_nudges_from(&self.dynamics, &pendulum.phase(&start).map(Theta::to_f64));
+            node.patch.with_nudges_from(&self.dynamics, &pendulum.phase(&start).map(Exact::to_f64));
         SplitNode { patch, ..node }
     }
 
@@ -292,7 +292,7 @@ impl DomainSplitting {
         }
         let at_release = Moving {
             time: [0.0; 2],
-            phase: phase.map(Theta::to_f64),
+            phase: phase.map(Exact::to_f64),
             step: control::FIRST,
             clearance: FAR,
             grown: 1.0,
@@ -301,7 +301,7 @@ impl DomainSplitting {
             nudges: self.nudges.then(|| Box::new(TangentMap::identity())),
         };
         let from_top = start.angle.map(|angle| from_top(angle).to_f64());
-        if !self.opening.concerns(from_top, start.speed.map(Theta::to_f64)) {
+        if !self.opening.concerns(from_top, start.speed.map(Exact::to_f64)) {
             return Some(at_release);
         }
         let moments = self.opening.first_moments(&start);

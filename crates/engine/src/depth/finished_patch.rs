@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use super::part::{SplitNode, SplitPart};
 use super::stats::DepthStats;
-use crate::{End, Moving, Question};
+use crate::{EventSpec, FinalState, Moving};
 use flipmap_numbers::jet::Jet;
 use flipmap_pendulum::flow_patch::{
     CurveCoordinates, CurvePoint, Dynamics, FlowPatch, PatchCurve, PatchEnd,
@@ -157,10 +157,10 @@ impl FinishedPatch {
     pub(super) fn known(
         &self,
         dynamics: &Dynamics,
-        question: &Question,
+        question: &EventSpec,
         unit_secs: f64,
         at: [f64; 2],
-    ) -> Option<(Outcome, End)> {
+    ) -> Option<(Outcome, FinalState)> {
         if self.edge.is_some_and(|edge| edge.at(at) > 0.0) {
             return Some(FORBIDDEN);
         }
@@ -174,7 +174,8 @@ impl FinishedPatch {
             Some((time, phase)) => {
                 let (clearance, grown) = (self.patch.clearance(at), f64::INFINITY);
                 let map_error = self.map_error(dynamics);
-                let end = End { time, phase, clearance, grown, map_error, ..End::NOWHERE };
+                let end =
+                    FinalState { time, phase, clearance, grown, map_error, ..FinalState::NOWHERE };
                 Some((question.flipped_at(time * unit_secs), end))
             }
             None => (!self.is_open()).then(|| self.unflipped(dynamics, at)),
@@ -192,7 +193,7 @@ impl FinishedPatch {
     }
 
     /// The outcome of a start that has not flipped when the budget ends, and its end.
-    fn unflipped(&self, dynamics: &Dynamics, at: [f64; 2]) -> (Outcome, End) {
+    fn unflipped(&self, dynamics: &Dynamics, at: [f64; 2]) -> (Outcome, FinalState) {
         let (high, low) = self.patch.time;
         let phase = self.patch.phase.map(|jet| jet.at(at));
         let turns = self.patch.turns_at(&phase);
@@ -201,7 +202,7 @@ impl FinishedPatch {
             |map: TangentMap| map.followed_by(&dynamics.pendulum, &phase, self.budget - high - low);
         let nudges = self.patch.nudges_at(dynamics, at);
         let log_growth = nudges.map_or(0.0, |map| back(map).log_growth());
-        let end = End {
+        let end = FinalState {
             time: high + low,
             phase,
             clearance: self.patch.clearance(at),
@@ -214,5 +215,5 @@ impl FinishedPatch {
 }
 
 /// The outcome and the end of starts that conservation of energy keeps from flipping.
-pub(super) const FORBIDDEN: (Outcome, End) =
-    (Outcome { status: Status::Forbidden, time: 0.0 }, End::NOWHERE);
+pub(super) const FORBIDDEN: (Outcome, FinalState) =
+    (Outcome { status: Status::Forbidden, time: 0.0 }, FinalState::NOWHERE);

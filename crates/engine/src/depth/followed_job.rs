@@ -13,8 +13,8 @@ use super::lines::Lines;
 use super::part::PlacedStart;
 use super::stats::DepthStats;
 use crate::{
-    Deep, Effort, End, Ends, IntegratorState, Job, JobResult, Method, Moving, MovingStarts,
-    Precision, Question, Starts,
+    Deep, Effort, EventSpec, FinalState, IntegratorState, Job, JobResult, Method, Moving,
+    MovingStarts, Precision, Starts, WantedEnd,
 };
 use flipmap_pendulum::Outcome;
 use flipmap_pendulum::flow_patch::Dynamics;
@@ -26,12 +26,12 @@ pub(super) type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
 const MAX_SPLITTINGS: usize = 4;
 
 /// The known part of a deep job, to be merged with the wrapped engine's answers.
-pub(super) struct Awaited {
+pub(super) struct PartialResult {
     /// The job, without its starts.
     pub job: Job,
     pub outcomes: Vec<Outcome>,
     /// Empty unless the job wants them.
-    pub ends: Vec<End>,
+    pub ends: Vec<FinalState>,
     /// States of the starts that are unflipped, if they are kept.
     pub unfinished: Vec<(usize, IntegratorState)>,
     /// Number of its takeoffs that have not come back.
@@ -50,7 +50,7 @@ pub(super) struct Awaited {
 pub(super) fn splitting_of(
     splittings: &Splittings,
     #[cfg(feature = "sabotage")] sabotage: Option<super::sabotage::Sabotage>,
-    question: &Question,
+    question: &EventSpec,
     deep: &Deep,
     nudges: bool,
 ) -> Arc<DomainSplitting> {
@@ -77,7 +77,7 @@ pub(super) fn followed(
     lines: bool,
     cancelled: &AtomicBool,
     told: &Following,
-) -> Option<Awaited> {
+) -> Option<PartialResult> {
     let count = job.starts.len();
     let Starts::Deep(deep) =
         std::mem::replace(&mut job.starts, Starts::Moving(MovingStarts::default()))
@@ -91,7 +91,7 @@ pub(super) fn followed(
     let begun = Instant::now();
     let distribution = splitting.distribute(&deep, wanted)?;
     let places = LazyCell::new(|| deep.places().collect::<Vec<_>>());
-    let mut awaited = Awaited::of_forbidden(job, count);
+    let mut awaited = PartialResult::of_forbidden(job, count);
     awaited.lines =
         (lines && may_use_lines(&awaited.job)).then(|| Lines::new(splitting.dynamics, unit_secs));
     let (cells, cell_steps) = distribution.followed;
@@ -113,12 +113,12 @@ pub(super) fn followed(
     Some(awaited)
 }
 
-impl Awaited {
+impl PartialResult {
     /// A job of forbidden starts.
     fn of_forbidden(job: Job, count: usize) -> Self {
         let (outcome, end) = FORBIDDEN;
-        let ends = if job.keep.ends == Ends::None { 0 } else { count };
-        Awaited {
+        let ends = if job.keep.ends == WantedEnd::None { 0 } else { count };
+        PartialResult {
             job,
             outcomes: vec![outcome; count],
             ends: vec![end; ends],
@@ -139,7 +139,7 @@ impl Awaited {
         for ((place, begun), end) in starts.iter().zip(&finished.ends) {
             let clearance = end.clearance.min(begun.clearance);
             let (grown, map_error) = (begun.grown, begun.map_error);
-            let mut end = End { clearance, grown, map_error, ..*end };
+            let mut end = FinalState { clearance, grown, map_error, ..*end };
             for (turns, before) in end.gathered.turns.iter_mut().zip(begun.turns) {
                 *turns += before;
             }
@@ -166,7 +166,8 @@ impl Awaited {
 
     /// The result of the job, once all is known.
     pub(super) fn result(self) -> JobResult {
-        let Awaited { job: Job { id, .. }, outcomes, ends, mut unfinished, effort, .. } = self;
+        let PartialResult { job: Job { id, .. }, outcomes, ends, mut unfinished, effort, .. } =
+            self;
         unfinished.sort_unstable_by_key(|(index, _)| *index);
         JobResult { id, outcomes, ends, unfinished, effort, ..JobResult::default() }
     }
@@ -218,5 +219,5 @@ impl Awaited {
 /// only outcomes, by a method whose errors are far smaller than the differences between neighbours.
 pub(super) fn may_use_lines(job: &Job) -> bool {
     let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
-    adaptive && job.config.precision != Precision::F32 && job.keep.ends == Ends::None
+    adaptive && job.config.precision != Precision::F32 && job.keep.ends == WantedEnd::None
 }

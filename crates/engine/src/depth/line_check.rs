@@ -164,11 +164,11 @@ impl LineCheck<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::End;
+    use crate::FinalState;
     use flipmap_pendulum::flip::Rule;
     use flipmap_pendulum::{Outcome, Pendulum};
 
-    const END: End = End { phase: [1.0; 6], ..End::NOWHERE };
+    const END: FinalState = FinalState { phase: [1.0; 6], ..FinalState::NOWHERE };
 
     /// Judges the line of a small cell in which starts at edges, on the line and a little after them flip
     /// at the times (s) that `secs` returns for a round.
@@ -185,7 +185,7 @@ mod tests {
                 Role::Line => line,
                 Role::After => after,
             };
-            Some(Sample { outcome: Outcome::flipped(time), end: End { time, ..END } })
+            Some(Sample { outcome: Outcome::flipped(time), end: FinalState { time, ..END } })
         })
     }
 

@@ -1,6 +1,6 @@
 //! Intervals of a line, and the answers that the samples in one give for the starts between them.
 
-use crate::End;
+use crate::FinalState;
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::flow_patch::CurvePoint;
 use flipmap_pendulum::{Outcome, Status};
@@ -42,7 +42,7 @@ pub(super) struct Interval {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     pub outcome: Outcome,
-    pub end: End,
+    pub end: FinalState,
 }
 
 /// The judgement of an interval by its samples.
@@ -200,7 +200,7 @@ mod tests {
     fn samples(time: impl Fn(f64) -> f64, clearance: f64) -> [Sample; SAMPLES] {
         std::array::from_fn(|k| {
             let time = time(k as f64 - 2.0);
-            let end = End { time, phase: [1.0; 6], clearance, ..End::NOWHERE };
+            let end = FinalState { time, phase: [1.0; 6], clearance, ..FinalState::NOWHERE };
             Sample { outcome: Outcome::flipped(time), end }
         })
     }

@@ -35,7 +35,7 @@ use super::line_check::{CheckPlace, LineCheck, LineVerdict};
 use super::line_interval::{COARSEST, FINEST, Interval, IntervalVerdict, SAMPLES, Sample};
 use super::part::PlacedStart;
 use super::stats::DepthStats;
-use crate::{IntegratorConfig, Job, JobResult, Moving, Question};
+use crate::{EventSpec, IntegratorConfig, Job, JobResult, Moving};
 use flipmap_pendulum::Outcome;
 use flipmap_pendulum::flow_patch::Dynamics;
 
@@ -53,7 +53,7 @@ pub(super) enum Place {
 
 /// The samples of lines that have been taken or requested, for one question and configuration.
 pub(super) struct LineSamples {
-    question: Question,
+    question: EventSpec,
     config: IntegratorConfig,
     lines: HashMap<PartKey, HashMap<Place, Sample>>,
     asked: HashSet<(PartKey, Place)>,
@@ -93,12 +93,12 @@ struct Line {
 
 impl LineSamples {
     /// No samples yet.
-    fn new(question: Question, config: IntegratorConfig) -> Self {
+    fn new(question: EventSpec, config: IntegratorConfig) -> Self {
         let (lines, asked) = (HashMap::new(), HashSet::new());
         LineSamples { question, config, lines, asked, count: 0 }
     }
 
-    fn are_of(&self, question: &Question, config: &IntegratorConfig) -> bool {
+    fn are_of(&self, question: &EventSpec, config: &IntegratorConfig) -> bool {
         self.question == *question && self.config == *config
     }
 

@@ -52,15 +52,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-use self::followed_job::{Awaited, Splittings, followed, splitting_of};
+use self::followed_job::{PartialResult, Splittings, followed, splitting_of};
 pub use self::following::Following;
 use self::lines::{LineSamples, Need, samples_of};
 pub use self::stats::DepthStats;
-use self::takeoff::{Load, Takeoff, by_time};
+use self::takeoff::{Purpose, SubJob, by_time};
 use super::threads::default_threads;
 use super::{
-    Ends, Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, JobResult, Keep,
-    Moving, Starts, Wait,
+    Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, JobResult, Keep, Moving,
+    Starts, Wait, WantedEnd,
 };
 
 /// An engine that follows deep starts for the engine that it wraps.
@@ -69,9 +69,9 @@ pub struct DepthEngine<'a> {
     pool: rayon::ThreadPool,
     splittings: Splittings,
     /// Deep jobs by identifier; none for those whose cells are being followed.
-    deep: HashMap<u64, Option<Awaited>>,
+    deep: HashMap<u64, Option<PartialResult>>,
     /// Takeoffs of deep jobs, by the identifiers of the wrapped engine's jobs.
-    takeoffs: HashMap<u64, Takeoff>,
+    takeoffs: HashMap<u64, SubJob>,
     next_takeoff: u64,
     /// Jobs for which the wrapped engine has no free slot yet.
     waiting: VecDeque<Job>,
@@ -86,8 +86,8 @@ pub struct DepthEngine<'a> {
     sabotage: Option<sabotage::Sabotage>,
     cancelled: Arc<AtomicBool>,
     told: Following,
-    sender: Sender<Awaited>,
-    receiver: Receiver<Awaited>,
+    sender: Sender<PartialResult>,
+    receiver: Receiver<PartialResult>,
 }
 
 /// Identifier of the first takeoff, far above those of jobs that are passed on.
@@ -147,7 +147,7 @@ impl<'a> DepthEngine<'a> {
 
     fn follow(&mut self, job: Job) {
         let Starts::Deep(deep) = &job.starts else { return };
-        let nudges = job.keep.ends == Ends::Growth;
+        let nudges = job.keep.ends == WantedEnd::Growth;
         let splitting = splitting_of(
             &self.splittings,
             #[cfg(feature = "sabotage")]
@@ -170,7 +170,7 @@ impl<'a> DepthEngine<'a> {
 
     /// Queues the next samples of a job's lines or, once these have answered all they can, the
     /// starts that are left. Returns the job's result if all of it is known.
-    fn go_on(&mut self, mut awaited: Awaited) -> Option<JobResult> {
+    fn keep_going(&mut self, mut awaited: PartialResult) -> Option<JobResult> {
         if let Some(mut lines) = awaited.lines.take() {
             match lines.ask(samples_of(&mut self.samples, &awaited.job)) {
                 Need::Nothing => awaited.take_lines(lines),
@@ -178,7 +178,7 @@ impl<'a> DepthEngine<'a> {
                 Need::Samples(wanted) => {
                     for (since, group) in by_time(wanted) {
                         let (places, states) = group.into_iter().unzip();
-                        let load = Load::Samples(places);
+                        let load = Purpose::Samples(places);
                         self.depart(&mut awaited, Keep::ENDS, load, since, states);
                     }
                     awaited.lines = Some(lines);
@@ -189,7 +189,7 @@ impl<'a> DepthEngine<'a> {
             for (since, starts) in by_time(std::mem::take(&mut awaited.moving)) {
                 let states = starts.iter().map(|(_, state)| state.clone()).collect();
                 let keep = awaited.job.keep;
-                self.depart(&mut awaited, keep, Load::Starts(starts), since, states);
+                self.depart(&mut awaited, keep, Purpose::Starts(starts), since, states);
             }
             if awaited.takeoffs == 0 {
                 self.deep.remove(&awaited.job.id);
@@ -203,34 +203,34 @@ impl<'a> DepthEngine<'a> {
     /// Queues pendulums of a deep job.
     fn depart(
         &mut self,
-        awaited: &mut Awaited,
+        awaited: &mut PartialResult,
         keep: Keep,
-        load: Load,
+        load: Purpose,
         since: f64,
         states: Vec<Moving>,
     ) {
         let id = self.next_takeoff;
         self.next_takeoff += 1;
         awaited.takeoffs += 1;
-        self.takeoffs.insert(id, Takeoff { job: awaited.job.id, load });
-        self.waiting.push_back(Takeoff::job(id, &awaited.job, keep, since, states));
+        self.takeoffs.insert(id, SubJob { job: awaited.job.id, load });
+        self.waiting.push_back(SubJob::job(id, &awaited.job, keep, since, states));
     }
 
     /// Takes a result of the wrapped engine, and returns what it completes: deep jobs, or, if it
     /// belongs to none, the result itself.
     fn take_finished(&mut self, finished: JobResult) -> Vec<JobResult> {
         self.flying -= 1;
-        let Some(Takeoff { job, load }) = self.takeoffs.remove(&finished.id) else {
+        let Some(SubJob { job, load }) = self.takeoffs.remove(&finished.id) else {
             return vec![finished];
         };
         let Some(Some(awaited)) = self.deep.get_mut(&job) else { return Vec::new() };
         awaited.takeoffs -= 1;
         awaited.effort += finished.effort;
         match load {
-            Load::Samples(places) => {
+            Purpose::Samples(places) => {
                 samples_of(&mut self.samples, &awaited.job).insert(places, &finished);
             }
-            Load::Starts(starts) => awaited.merge(&starts, &finished),
+            Purpose::Starts(starts) => awaited.merge(&starts, &finished),
         }
         self.landed()
     }
@@ -238,7 +238,7 @@ impl<'a> DepthEngine<'a> {
     /// Continues the jobs that have no takeoffs in flight, because theirs are complete or because
     /// they wait for samples of other jobs; returns the results of those that are complete.
     fn landed(&mut self) -> Vec<JobResult> {
-        let is_ready = |awaited: &Awaited| awaited.takeoffs == 0;
+        let is_ready = |awaited: &PartialResult| awaited.takeoffs == 0;
         let mut ready: Vec<u64> = Vec::new();
         for (id, awaited) in &self.deep {
             ready.extend(awaited.as_ref().is_some_and(is_ready).then_some(*id));
@@ -247,7 +247,7 @@ impl<'a> DepthEngine<'a> {
         let mut finished = Vec::new();
         for id in ready {
             let awaited = self.deep.get_mut(&id).and_then(Option::take);
-            finished.extend(awaited.and_then(|awaited| self.go_on(awaited)));
+            finished.extend(awaited.and_then(|awaited| self.keep_going(awaited)));
         }
         finished
     }
@@ -277,7 +277,7 @@ impl Engine for DepthEngine<'_> {
         loop {
             while let Ok(followed) = self.receiver.try_recv() {
                 self.following -= 1;
-                finished.extend(self.go_on(followed));
+                finished.extend(self.keep_going(followed));
             }
             self.feed()?;
             let idle = self.flying == 0 && self.following == 0;
@@ -293,7 +293,7 @@ impl Engine for DepthEngine<'_> {
                 let left = until.saturating_duration_since(Instant::now());
                 if let Ok(followed) = self.receiver.recv_timeout(left) {
                     self.following -= 1;
-                    finished.extend(self.go_on(followed));
+                    finished.extend(self.keep_going(followed));
                 }
                 continue;
             }

@@ -11,21 +11,21 @@ use crate::{Job, Keep, Moving, MovingStarts, Starts};
 const TOGETHER: f64 = 4.0;
 
 /// Pendulums on their way through the wrapped engine.
-pub(super) struct Takeoff {
+pub(super) struct SubJob {
     /// The deep job that they belong to.
     pub job: u64,
-    pub load: Load,
+    pub load: Purpose,
 }
 
 /// The meaning of a takeoff's pendulums.
-pub(super) enum Load {
+pub(super) enum Purpose {
     /// Samples of lines, at these places.
     Samples(Vec<(PartKey, Place)>),
     /// Starts of the job by their indices, with the states in which they set out.
     Starts(Vec<(usize, Moving)>),
 }
 
-impl Takeoff {
+impl SubJob {
     /// The job that integrates pendulums for a deep job; all have set out by the time `since`.
     pub(super) fn job(id: u64, deep: &Job, keep: Keep, since: f64, states: Vec<Moving>) -> Job {
         let (_, unit_secs) = deep.question.reduced();

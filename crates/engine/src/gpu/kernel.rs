@@ -21,7 +21,7 @@ use crate::pace::Pace;
 use crate::shared::status_constants;
 use crate::slowed::least_energy;
 use crate::start::{ANGLES, PHASE};
-use crate::{Ends, EngineError, IntegratorConfig, Method, Precision, Question};
+use crate::{EngineError, EventSpec, IntegratorConfig, Method, Precision, WantedEnd};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::control::{Control, GROW, LONGEST, SHRINK};
 use flipmap_pendulum::crossing::{FAR, SLACK};
@@ -60,12 +60,12 @@ pub struct Design {
     /// Number of passes of the top after which a pendulum is done; counted unless it is 1.
     pub passes: u32,
     /// Growth or returns, where the kernel computes these instead of passes of the top.
-    pub ends: Ends,
+    pub ends: WantedEnd,
 }
 
 impl Design {
     /// The kernel made for a question at a pace and nothing else.
-    pub fn specialised(self, question: &Question, pace: &Pace) -> Self {
+    pub fn specialised(self, question: &EventSpec, pace: &Pace) -> Self {
         let scheme = match (self.scheme, pace) {
             (Scheme::Fixed(_), Pace::Fixed(steps)) => {
                 Scheme::Fixed(steps.turning(question, self.precision))
@@ -105,7 +105,7 @@ impl Design {
             scheme,
             scene: None,
             passes: 1,
-            ends: Ends::None,
+            ends: WantedEnd::None,
         })
     }
 
@@ -125,7 +125,7 @@ impl Design {
     }
 
     /// The same kernel, if its scheme can compute such ends.
-    pub(crate) fn returning(self, ends: Ends) -> Result<Self, EngineError> {
+    pub(crate) fn returning(self, ends: WantedEnd) -> Result<Self, EngineError> {
         if self.scheme == Scheme::Series && ends.are_carried() {
             let why = "graphics adapters compute no growth and no returns by `method` taylor";
             return Err(EngineError::Unsupported(why.to_string()));
@@ -144,7 +144,7 @@ impl Design {
     }
 
     /// The kernel that computes growth or returns, for a specialised one.
-    pub fn computing(self, ends: Ends) -> Self {
+    pub fn computing(self, ends: WantedEnd) -> Self {
         Design { compensated: false, ends, ..self }
     }
 
@@ -172,7 +172,8 @@ impl Design {
             maths.insert("energy".to_string(), self.energy());
         }
         if self.ends.are_carried() {
-            let file = if self.ends == Ends::Growth { "tangents.wgsl" } else { "nearest.wgsl" };
+            let file =
+                if self.ends == WantedEnd::Growth { "tangents.wgsl" } else { "nearest.wgsl" };
             let files = ["shared.wgsl", number, "carried.wgsl", "control.wgsl", file, "turn.wgsl"];
             return glue(&files, &self.values(maths, String::new()));
         }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Trust;
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run, Rung, ends_of, rungs};
-use crate::{Effort, End, Ends, Job, JobResult, Keep, Starts};
+use crate::{Effort, FinalState, Job, JobResult, Keep, Starts, WantedEnd};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Accumulators, Outcome, Status};
 
@@ -38,8 +38,10 @@ struct Done {
 }
 
 /// The answer to a start of which nothing is known.
-const UNANSWERED: RunResult =
-    RunResult { outcome: Outcome { status: Status::Unflipped, time: 0.0 }, end: End::NOWHERE };
+const UNANSWERED: RunResult = RunResult {
+    outcome: Outcome { status: Status::Unflipped, time: 0.0 },
+    end: FinalState::NOWHERE,
+};
 
 /// Number of identifiers that a checked job has for the jobs of its runs.
 pub(super) const RUNS: u64 = 32;
@@ -123,9 +125,9 @@ impl CheckedJob {
         let run = *self.rungs.iter().flat_map(|rung| &rung.runs).nth(index as usize)?;
         let wanted = self.job.keep.ends;
         let is_told = !wanted.are_carried() || ends_of(&run.config, wanted) == wanted;
-        let answer = |(&outcome, &end): (&Outcome, &End)| {
+        let answer = |(&outcome, &end): (&Outcome, &FinalState)| {
             let gathered = if is_told { end.gathered } else { Accumulators::UNTOLD };
-            RunResult { outcome, end: End { gathered, ..end } }
+            RunResult { outcome, end: FinalState { gathered, ..end } }
         };
         let answers: Vec<RunResult> =
             finished.outcomes.iter().zip(&finished.ends).map(answer).collect();
@@ -169,7 +171,7 @@ impl CheckedJob {
     /// The result of the job.
     pub(super) fn finish(self) -> JobResult {
         let ends = match self.job.keep.ends {
-            Ends::None => Vec::new(),
+            WantedEnd::None => Vec::new(),
             _ => self.finest.iter().map(|answer| answer.end).collect(),
         };
         JobResult {

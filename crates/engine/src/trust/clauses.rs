@@ -4,9 +4,9 @@
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};
 use crate::level::{BALANCED, FAST};
-use crate::{End, Ends, IntegratorConfig, Method, Precision, Question};
+use crate::{EventSpec, FinalState, IntegratorConfig, Method, Precision, WantedEnd};
 use flipmap_pendulum::{Accumulators, Outcome, Rule, Status};
-use flipmap_scene::Build;
+use flipmap_scene::PendulumSpec;
 
 fn dop853(tolerance: f64) -> IntegratorConfig {
     IntegratorConfig { method: Method::Dop853 { tolerance }, precision: Precision::F64 }
@@ -19,22 +19,25 @@ fn dopri5(tolerance: f64) -> IntegratorConfig {
 const TAYLOR_DD: IntegratorConfig =
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-28 }, precision: Precision::Dd };
 
-fn judge(rule: Rule, ends: Ends) -> Judge {
-    let question = Question { build: Build::default(), rule, budget_secs: 30.0, passes: 1 };
+fn judge(rule: Rule, ends: WantedEnd) -> Judge {
+    let question = EventSpec { build: PendulumSpec::default(), rule, budget_secs: 30.0, passes: 1 };
     Judge::new(&question, ends, 1e-10)
 }
 
 /// The answer of a run whose second bob passes the top fast, at a time.
 fn flip_at(time: f64) -> RunResult {
     let phase = [0.6, 0.8, -1.0, 0.0, 2.0, 3.0];
-    RunResult { outcome: Outcome::flipped(time), end: End { time, phase, ..End::NOWHERE } }
+    RunResult {
+        outcome: Outcome::flipped(time),
+        end: FinalState { time, phase, ..FinalState::NOWHERE },
+    }
 }
 
 /// The answer of a run that ends its budget with the first bob at a sine.
 fn hangs_at(sine: f64) -> RunResult {
     let phase = [(1.0 - sine * sine).sqrt(), sine, 1.0, 0.0, 0.0, 0.0];
     let outcome = Outcome::without_time(Status::Unflipped);
-    RunResult { outcome, end: End { time: 90.0, phase, ..End::NOWHERE } }
+    RunResult { outcome, end: FinalState { time: 90.0, phase, ..FinalState::NOWHERE } }
 }
 
 fn from_rest(config: IntegratorConfig, answer: RunResult) -> (Run, RunResult) {
@@ -43,11 +46,11 @@ fn from_rest(config: IntegratorConfig, answer: RunResult) -> (Run, RunResult) {
 
 /// Returns true if the answers to the time of a flip are sure.
 fn is_sure(answers: &[(Run, RunResult)]) -> bool {
-    judge(Rule::Second, Ends::None).verdict(answers).1
+    judge(Rule::Second, WantedEnd::None).verdict(answers).1
 }
 
 fn of_status(status: Status) -> RunResult {
-    RunResult { outcome: Outcome::without_time(status), end: End::NOWHERE }
+    RunResult { outcome: Outcome::without_time(status), end: FinalState::NOWHERE }
 }
 
 #[test]
@@ -82,7 +85,7 @@ fn a_near_miss_before_the_flip_must_be_told_from_a_crossing() {
     let missed_by = |clearance: f64| {
         let missed = |time: f64| {
             let answer = flip_at(time);
-            RunResult { end: End { clearance, ..answer.end }, ..answer }
+            RunResult { end: FinalState { clearance, ..answer.end }, ..answer }
         };
         is_sure(&[from_rest(BALANCED, missed(5.0)), from_rest(FAST, missed(5.0 + 1e-6))])
     };
@@ -95,7 +98,7 @@ fn the_flip_must_be_told_from_a_near_miss() {
     let pushed = |momentum: f64| {
         let slow = |time: f64| {
             let phase = [0.6, 0.8, -1.0, 0.0, -momentum, momentum];
-            RunResult { end: End { phase, ..flip_at(time).end }, ..flip_at(time) }
+            RunResult { end: FinalState { phase, ..flip_at(time).end }, ..flip_at(time) }
         };
         is_sure(&[from_rest(BALANCED, slow(5.0)), from_rest(FAST, slow(5.0 + 1e-6))])
     };
@@ -152,7 +155,7 @@ fn failed_answers_are_never_sure_and_forbidden_ones_if_all_say_so() {
 fn gathered(answer: RunResult, log_growth: Option<f64>) -> RunResult {
     let told = |log_growth| Accumulators { log_growth, ..Accumulators::NONE };
     let gathered = log_growth.map_or(Accumulators::UNTOLD, told);
-    RunResult { end: End { gathered, ..answer.end }, ..answer }
+    RunResult { end: FinalState { gathered, ..answer.end }, ..answer }
 }
 
 #[test]
@@ -161,7 +164,7 @@ fn growth_is_told_by_a_run_near_the_finest_and_confirmed_by_another_method() {
         let finest = from_rest(TAYLOR_DD, gathered(hangs_at(0.5), None));
         let teller = from_rest(BALANCED, gathered(hangs_at(0.5 + apart), Some(20.0)));
         let second = from_rest(other, gathered(hangs_at(0.5 + apart), Some(log_growth)));
-        judge(Rule::Neither, Ends::Growth).verdict(&[finest, teller, second]).1
+        judge(Rule::Neither, WantedEnd::Growth).verdict(&[finest, teller, second]).1
     };
     let other = dopri5(1e-11);
     assert!(told(5e-3, other, 20.001));
@@ -172,8 +175,9 @@ fn growth_is_told_by_a_run_near_the_finest_and_confirmed_by_another_method() {
 
 #[test]
 fn errors_are_no_smaller_than_known_displacements() {
-    let scale =
-        |run: Run, map_error: f64| run.error_scale(&End { map_error, ..End::NOWHERE }, 1e-9);
+    let scale = |run: Run, map_error: f64| {
+        run.error_scale(&FinalState { map_error, ..FinalState::NOWHERE }, 1e-9)
+    };
     let run = Run::new(dop853(1e-14), Origin::Rest);
     assert!(scale(run, 0.0) < 1e-13);
     assert_eq!(scale(run.nudged([6e-5, 8e-5]), 0.0), 1e-4);

@@ -2,8 +2,8 @@
 //! its release to the end. It shares no start map, no first moments, no rounding of starts, no method
 //! and no event test with the engines.
 
-use crate::{End, Ends, Question};
-use flipmap_numbers::{Fixed, Scalar, Theta};
+use crate::{EventSpec, FinalState, WantedEnd};
+use flipmap_numbers::{Exact, Fixed, Scalar};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
 
@@ -22,11 +22,11 @@ const NUDGE_DIGITS: f64 = 8.0;
 /// the answer needs, and its neighbours are `apart_rad` away. The nearest return to the start is not
 /// computed.
 pub fn answer(
-    question: &Question,
-    ends: Ends,
-    start: &State<Theta>,
+    question: &EventSpec,
+    ends: WantedEnd,
+    start: &State<Exact>,
     apart_rad: f64,
-) -> (Outcome, End) {
+) -> (Outcome, FinalState) {
     let apart = DIGITS_APART - apart_rad.log10();
     match limbs(question, ends, start, apart) {
         0..=3 => Direct::<3>::new(question, start, apart).answer(ends),
@@ -40,9 +40,9 @@ pub fn answer(
 
 /// Returns true if direct integration of starts that are `apart_rad` away from their neighbours takes
 /// seconds, because of its many digits.
-pub fn takes_long(question: &Question, apart_rad: f64) -> bool {
+pub fn takes_long(question: &EventSpec, apart_rad: f64) -> bool {
     let apart = DIGITS_APART - apart_rad.log10();
-    limbs(question, Ends::None, &State::rest([Theta::ZERO; 2]), apart) > MAX_LIMBS_IN_A_SECOND
+    limbs(question, WantedEnd::None, &State::rest([Exact::ZERO; 2]), apart) > MAX_LIMBS_IN_A_SECOND
 }
 
 /// Largest number of limbs in which a minute of the home pendulum takes less than a second.
@@ -50,12 +50,12 @@ const MAX_LIMBS_IN_A_SECOND: usize = 4;
 
 /// Number of limbs of numbers with the digits that a start needs: those for the growth of errors, and
 /// those that tell a bob beside the top from one at it.
-fn limbs(question: &Question, ends: Ends, start: &State<Theta>, apart: f64) -> usize {
+fn limbs(question: &EventSpec, ends: WantedEnd, start: &State<Exact>, apart: f64) -> usize {
     let (_, unit_secs) = question.reduced();
     let growth = DECADES_A_UNIT * question.budget_secs / unit_secs;
-    let nudge = if ends == Ends::Growth { NUDGE_DIGITS } else { 0.0 };
-    let beside = |angle: Theta| {
-        let distance = (Theta::pi() - angle.abs()).to_f64().abs();
+    let nudge = if ends == WantedEnd::Growth { NUDGE_DIGITS } else { 0.0 };
+    let beside = |angle: Exact| {
+        let distance = (Exact::pi() - angle.abs()).to_f64().abs();
         if distance > 0.0 { -distance.log10() } else { 0.0 }
     };
     let beside = beside(start.angle[0]).max(beside(start.angle[1])).max(0.0);
@@ -65,7 +65,7 @@ fn limbs(question: &Question, ends: Ends, start: &State<Theta>, apart: f64) -> u
 
 /// A start in numbers of `N` limbs, in reduced units.
 struct Direct<'a, const N: usize> {
-    question: &'a Question,
+    question: &'a EventSpec,
     pendulum: Pendulum<Fixed<N>>,
     unit_secs: Fixed<N>,
     start: State<Fixed<N>>,
@@ -75,7 +75,7 @@ struct Direct<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Direct<'a, N> {
-    fn new(question: &'a Question, start: &State<Theta>, apart: f64) -> Self {
+    fn new(question: &'a EventSpec, start: &State<Exact>, apart: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced_in::<Fixed<N>>();
         let budget = Fixed::from_f64(question.budget_secs) / unit_secs;
         let start = State {
@@ -86,7 +86,7 @@ impl<'a, const N: usize> Direct<'a, N> {
         Direct { question, pendulum, unit_secs, start, budget, apart }
     }
 
-    fn answer(&self, ends: Ends) -> (Outcome, End) {
+    fn answer(&self, ends: WantedEnd) -> (Outcome, FinalState) {
         let rule = self.question.rule;
         let outcome = match rule {
             Rule::Neither => Outcome::without_time(Status::Unflipped),
@@ -97,7 +97,7 @@ impl<'a, const N: usize> Direct<'a, N> {
         };
         let time = if outcome.status == Status::Answered { outcome.time } else { self.budget };
         let end = match ends {
-            Ends::None => End::NOWHERE,
+            WantedEnd::None => FinalState::NOWHERE,
             _ => self.end(time, ends),
         };
         let secs = (outcome.time * self.unit_secs).to_f64();
@@ -105,16 +105,17 @@ impl<'a, const N: usize> Direct<'a, N> {
     }
 
     /// The end of the motion at a reduced time.
-    fn end(&self, time: Fixed<N>, ends: Ends) -> End {
+    fn end(&self, time: Fixed<N>, ends: WantedEnd) -> FinalState {
         let state = self.state_at(&self.start, time);
         let turns = state.angle.map(whole_turns);
         let wrapped = State { angle: state.angle.map(Fixed::wrapped), ..state };
-        let log_growth = if ends == Ends::Growth { self.log_growth(&state, time) } else { 0.0 };
-        End {
+        let log_growth =
+            if ends == WantedEnd::Growth { self.log_growth(&state, time) } else { 0.0 };
+        FinalState {
             time: time.to_f64(),
             phase: self.pendulum.phase(&wrapped).map(Fixed::to_f64),
             gathered: Accumulators { turns, log_growth, ..Accumulators::NONE },
-            ..End::NOWHERE
+            ..FinalState::NOWHERE
         }
     }
 
@@ -163,28 +164,28 @@ fn whole_turns<const N: usize>(angle: Fixed<N>) -> i32 {
 mod tests {
     use super::*;
     use flipmap_pendulum::flip::right_secs;
-    use flipmap_scene::Build;
+    use flipmap_scene::PendulumSpec;
 
-    fn question(rule: Rule, budget_secs: f64) -> Question {
-        Question { build: Build::default(), rule, budget_secs, passes: 1 }
+    fn question(rule: Rule, budget_secs: f64) -> EventSpec {
+        EventSpec { build: PendulumSpec::default(), rule, budget_secs, passes: 1 }
     }
 
-    fn start(angle: [&str; 2]) -> State<Theta> {
-        State::rest(angle.map(|text| Theta::parse(text).unwrap()))
+    fn start(angle: [&str; 2]) -> State<Exact> {
+        State::rest(angle.map(|text| Exact::parse(text).unwrap()))
     }
 
     #[test]
     fn digits_suffice_for_the_growth_of_a_hundred_seconds() {
         // Of two integrations in different numbers of digits, both must be right.
         let (question, near) = (question(Rule::First, 100.0), start(["-1.7", "0.06"]));
-        let (short, _) = answer(&question, Ends::None, &near, 1.0);
-        let (long, _) = Direct::<8>::new(&question, &near, 120.0).answer(Ends::None);
+        let (short, _) = answer(&question, WantedEnd::None, &near, 1.0);
+        let (long, _) = Direct::<8>::new(&question, &near, 120.0).answer(WantedEnd::None);
         assert_eq!(short.status, long.status);
         assert!((short.time - long.time).abs() < 1e-6 * right_secs(question.build.unit_secs()));
         let late = start(["0.92857", "-1.80186"]);
-        let question = Question { rule: Rule::Second, ..question };
-        let (short, _) = answer(&question, Ends::None, &late, 1.0);
-        let (long, _) = Direct::<8>::new(&question, &late, 120.0).answer(Ends::None);
+        let question = EventSpec { rule: Rule::Second, ..question };
+        let (short, _) = answer(&question, WantedEnd::None, &late, 1.0);
+        let (long, _) = Direct::<8>::new(&question, &late, 120.0).answer(WantedEnd::None);
         assert!(short.status == long.status, "{short:?}, {long:?}");
         assert!((short.time - long.time).abs() < 1e-6, "{short:?}, {long:?}");
         let decades = 44.0;

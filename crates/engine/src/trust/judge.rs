@@ -18,7 +18,7 @@
 //! where a run is far off, growth as the others show it must explain that.
 
 use super::ladder::Run;
-use crate::{End, Ends, Question};
+use crate::{EventSpec, FinalState, WantedEnd};
 use flipmap_pendulum::crossing::{StepState, bob_at_top, height_beyond};
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::phase::Phase;
@@ -29,7 +29,7 @@ use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RunResult {
     pub outcome: Outcome,
-    pub end: End,
+    pub end: FinalState,
 }
 
 /// Share of the allowed error in a flip's time that is used; the rest is a margin for what the
@@ -68,7 +68,7 @@ pub(super) struct Judge {
 impl Judge {
     /// Makes a judge of answers that need such ends; `leaf_half_rad` is half the side of the leaves for
     /// deep starts, and unused for others.
-    pub(super) fn new(question: &Question, ends: Ends, leaf_half_rad: f64) -> Self {
+    pub(super) fn new(question: &EventSpec, ends: WantedEnd, leaf_half_rad: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         let tolerance = SAFETY * right_secs(unit_secs) / unit_secs;

@@ -7,7 +7,7 @@
 
 use super::Trust;
 use crate::level::{BALANCED, FAST, FINEST};
-use crate::{End, Ends, IntegratorConfig, Method, Precision};
+use crate::{FinalState, IntegratorConfig, Method, Precision, WantedEnd};
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +61,7 @@ impl Run {
 
     /// Error scale in rad of this run's answer that ended in `end`; `leaf_half_rad` is half the
     /// side of the leaves of start maps.
-    pub(super) fn error_scale(&self, end: &End, leaf_half_rad: f64) -> f64 {
+    pub(super) fn error_scale(&self, end: &FinalState, leaf_half_rad: f64) -> f64 {
         let nudge = self.nudge[0].hypot(self.nudge[1]);
         match self.from {
             Origin::Rest => error_scale(&self.config).max(nudge),
@@ -110,7 +110,7 @@ fn error_scale_after_a_map(config: &IntegratorConfig) -> f64 {
 }
 
 /// Least error of start maps, as a share of half a leaf, whatever their polynomials leave out (see
-/// [`End::map_error`]): rounding errors, and those of their steps.
+/// [`FinalState::map_error`]): rounding errors, and those of their steps.
 const OF_MAPS: f64 = 5e-11;
 
 /// Largest error scale at which a configuration is far enough below a probe in f32 to need no finer
@@ -155,10 +155,10 @@ pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Ve
 /// The ends that a run returns where these are wanted: plain ones, which confirm the state alone, if it
 /// cannot carry the quantity along, or only in a scalar loop, which takes a hundred times as long as
 /// the other runs.
-pub(super) fn ends_of(config: &IntegratorConfig, wanted: Ends) -> Ends {
+pub(super) fn ends_of(config: &IntegratorConfig, wanted: WantedEnd) -> WantedEnd {
     let is_scalar = wanted.are_carried() && config.method.is_series();
     let can_carry = !is_scalar && wanted.check(config).is_ok();
-    if wanted == Ends::None || !can_carry { Ends::Plain } else { wanted }
+    if wanted == WantedEnd::None || !can_carry { WantedEnd::Plain } else { wanted }
 }
 
 fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {

@@ -26,7 +26,7 @@
 //!
 //! Nine in ten starts of the home map are sure after the first rung. [`TrustEngine`] wraps another
 //! engine and adds a [`Trust`] to each of its answers. Deep starts climb a ladder of their own, and
-//! some are integrated directly ([`Opinion`]); unchecked pictures have an [`Outlook`].
+//! some are integrated directly ([`Opinion`]); unchecked pictures have an [`AccuracyEstimate`].
 
 use crate::EngineKind;
 use std::collections::{HashMap, VecDeque};
@@ -43,7 +43,7 @@ mod outlook;
 
 use self::checked_job::{CheckedJob, RUNS};
 pub use self::opinion::Opinion;
-pub use self::outlook::Outlook;
+pub use self::outlook::AccuracyEstimate;
 use super::cpu::CpuEngine;
 use super::depth::DepthEngine;
 use super::{Engine, EngineError, GpuStats, IntegratorConfig, Job, JobResult, Starts, Wait};

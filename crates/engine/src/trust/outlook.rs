@@ -9,13 +9,14 @@ use super::Opinion;
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};
 use crate::{
-    Ends, Engine, EngineError, IntegratorConfig, JobResult, Keep, Onset, Question, Starts, run_job,
+    Engine, EngineError, EventSpec, IntegratorConfig, JobResult, Keep, Onset, Starts, WantedEnd,
+    run_job,
 };
 use flipmap_numbers::Dd;
 
 /// The expectation for a picture, from a sample of its starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Outlook {
+pub struct AccuracyEstimate {
     /// Number of starts in the sample.
     pub sampled: usize,
     /// Number of those whose errors have grown too large.
@@ -40,14 +41,14 @@ const NUDGE: f64 = 30.0;
 /// Share of half a leaf by which deep starts are moved.
 const DEEP_NUDGE: f64 = 1e-8;
 
-impl Outlook {
-    /// Computes some starts, and finds those beyond the horizon; none once `go_on` returns false.
+impl AccuracyEstimate {
+    /// Computes some starts, and finds those beyond the horizon; none once `keep_going` returns false.
     pub fn sample(
         engine: &mut dyn Engine,
-        question: Question,
-        (config, ends): (IntegratorConfig, Ends),
+        question: EventSpec,
+        (config, ends): (IntegratorConfig, WantedEnd),
         starts: &Starts,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<Option<SampledAnswers>, EngineError> {
         let (from, nudge, leaf_half_rad) = match starts {
             Starts::Deep(deep) => (Origin::Map, DEEP_NUDGE, deep.half_side()),
@@ -55,9 +56,9 @@ impl Outlook {
         };
         let run = Run::new(config, from);
         let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
-        let ends = if ends == Ends::None { Ends::Plain } else { ends };
+        let ends = if ends == WantedEnd::None { WantedEnd::Plain } else { ends };
         let keep = Keep { ends, states: false };
-        let mut answers = |starts| run_job(engine, question, config, starts, keep, go_on);
+        let mut answers = |starts| run_job(engine, question, config, starts, keep, keep_going);
         let Some(result) = answers(starts.clone())? else { return Ok(None) };
         let Some(nudged) = answers(moved_by(starts, moved.nudge))? else { return Ok(None) };
         let judge = Judge::new(&question, ends, leaf_half_rad);
@@ -130,21 +131,25 @@ mod tests {
     use crate::level::BALANCED;
     use crate::{Method, Precision};
     use flipmap_pendulum::Rule;
-    use flipmap_scene::Build;
+    use flipmap_scene::PendulumSpec;
 
     /// The outlook of starts in a row from one of them.
-    fn outlook(from: [f64; 2], budget_secs: f64) -> Outlook {
+    fn outlook(from: [f64; 2], budget_secs: f64) -> AccuracyEstimate {
         let opinion = Opinion::default();
         let mut engine = CpuEngine::new(Some(2)).unwrap();
-        let question =
-            Question { build: Build::default(), rule: Rule::Second, budget_secs, passes: 1 };
+        let question = EventSpec {
+            build: PendulumSpec::default(),
+            rule: Rule::Second,
+            budget_secs,
+            passes: 1,
+        };
         let angle = |k: u32| [from[0] + 4e-4 * f64::from(k), from[1] + 3e-4 * f64::from(k)];
         let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
-        let how = (BALANCED, Ends::None);
-        let answers = Outlook::sample(&mut engine, question, how, &starts, &|| true);
+        let how = (BALANCED, WantedEnd::None);
+        let answers = AccuracyEstimate::sample(&mut engine, question, how, &starts, &|| true);
         let beyond = answers.unwrap().unwrap().beyond;
         let count = beyond.iter().filter(|beyond| **beyond).count();
-        Outlook { sampled: beyond.len(), beyond: count, opinion }
+        AccuracyEstimate { sampled: beyond.len(), beyond: count, opinion }
     }
 
     #[test]
@@ -158,21 +163,25 @@ mod tests {
 
     #[test]
     fn a_third_of_the_starts_with_large_errors_are_beyond_the_horizon_and_no_others() {
-        let question =
-            Question { build: Build::default(), rule: Rule::Second, budget_secs: 30.0, passes: 1 };
+        let question = EventSpec {
+            build: PendulumSpec::default(),
+            rule: Rule::Second,
+            budget_secs: 30.0,
+            passes: 1,
+        };
         let angle = |k: u32| [-1.7 + 4e-4 * f64::from(k), 0.06 + 3e-4 * f64::from(k)];
         let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
         let mut engine = CpuEngine::new(Some(2)).unwrap();
         let mut sample = |config| {
-            let how = (config, Ends::None);
-            let answers = Outlook::sample(&mut engine, question, how, &starts, &|| true);
+            let how = (config, WantedEnd::None);
+            let answers = AccuracyEstimate::sample(&mut engine, question, how, &starts, &|| true);
             answers.unwrap().unwrap()
         };
         let method = Method::Dopri5 { tolerance: 1e-8 };
         let coarse = IntegratorConfig { method, precision: Precision::F64 };
         let (coarse, truth) = (sample(coarse), sample(BALANCED));
         assert!(!truth.beyond.contains(&true));
-        let judge = Judge::new(&question, Ends::Plain, 0.0);
+        let judge = Judge::new(&question, WantedEnd::Plain, 0.0);
         let answer = |sample: &SampledAnswers, k: usize| RunResult {
             outcome: sample.result.outcomes[k],
             end: sample.result.ends[k],

@@ -6,18 +6,18 @@ use super::checked_job::CheckedJob;
 use crate::cpu::CpuEngine;
 use crate::depth::DepthEngine;
 use crate::level::BALANCED;
-use crate::{Deep, Ends, Engine, Job, Keep, Leaf, Question, Starts, run_job};
-use flipmap_numbers::{Dd, Scalar, Theta};
+use crate::{Deep, Engine, EventSpec, Job, Keep, Leaf, Starts, WantedEnd, run_job};
+use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::Rule;
 use flipmap_scene::lattice::Cell;
-use flipmap_scene::{Build, ExactPlane, Kind};
+use flipmap_scene::{ExactPlane, Kind, PendulumSpec};
 
 /// A start at rest, or a place in a leaf; the index of the rung on which it becomes sure; and what moves
 /// it to another one.
 type Witness = ([f64; 2], usize, &'static str);
 
 /// Compares the rungs on which starts become sure with those expected.
-fn check(question: Question, ends: Ends, starts: Starts, witnesses: &[Witness]) {
+fn check(question: EventSpec, ends: WantedEnd, starts: Starts, witnesses: &[Witness]) {
     let mut engine = DepthEngine::new(Box::new(CpuEngine::new(Some(2)).unwrap()), Some(2)).unwrap();
     let keep = Keep { ends, states: false };
     let job = Job { id: 0, question, config: BALANCED, starts, keep };
@@ -47,8 +47,8 @@ fn check(question: Question, ends: Ends, starts: Starts, witnesses: &[Witness]) 
     }
 }
 
-fn question(rule: Rule, budget_secs: f64) -> Question {
-    Question { build: Build::default(), rule, budget_secs, passes: 1 }
+fn question(rule: Rule, budget_secs: f64) -> EventSpec {
+    EventSpec { build: PendulumSpec::default(), rule, budget_secs, passes: 1 }
 }
 
 fn at_rest(witnesses: &[Witness]) -> Starts {
@@ -57,7 +57,7 @@ fn at_rest(witnesses: &[Witness]) -> Starts {
 
 /// Places in the leaf of a level around a start at rest.
 fn in_leaf(center: [&str; 2], level: u32, witnesses: &[Witness]) -> Starts {
-    let cell = Cell::around(center.map(|angle| Theta::parse(angle).unwrap()), level);
+    let cell = Cell::around(center.map(|angle| Exact::parse(angle).unwrap()), level);
     let points = witnesses.iter().map(|(point, ..)| *point).collect();
     let leaves = vec![Leaf { cell, points }];
     Starts::Deep(Deep { leaves, plane: Box::new(ExactPlane::AT_REST), strict: false })
@@ -73,7 +73,7 @@ fn of_the_time_of_a_flip() {
         ([-1.448807, 1.270825], 2, "UNFLIPPED"),
         ([-1.633555, 0.090729], 2, "UNFLIPPED"),
     ];
-    check(question(Rule::Second, 30.0), Ends::None, at_rest(&witnesses), &witnesses);
+    check(question(Rule::Second, 30.0), WantedEnd::None, at_rest(&witnesses), &witnesses);
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn of_turns_and_flips_that_graze_the_top() {
         ([-0.983, -2.3523553390025396], 4, "the height beyond the top"),
         ([-1.339, -2.5067889416427107], 3, "the height beyond the top"),
     ];
-    check(question(Rule::Second, 6.0), Ends::None, at_rest(&witnesses), &witnesses);
+    check(question(Rule::Second, 6.0), WantedEnd::None, at_rest(&witnesses), &witnesses);
 }
 
 #[test]
@@ -93,15 +93,15 @@ fn of_the_first_bob() {
         ([2.188812, 2.750109], 1, "OF_CLEARANCE, MAX_CHANCE"),
         ([-1.819732, 2.9558], 4, "the scales of f64 and DOP853, LINEAR"),
     ];
-    check(question(Rule::First, 20.0), Ends::None, at_rest(&witnesses), &witnesses);
-    let rods = Build { kind: Kind::Rods, ..Build::default() };
+    check(question(Rule::First, 20.0), WantedEnd::None, at_rest(&witnesses), &witnesses);
+    let rods = PendulumSpec { kind: Kind::Rods, ..PendulumSpec::default() };
     let witnesses: [Witness; 3] = [
         ([2.551636, -1.908982], 6, "the scale of Taylor expansions"),
         ([2.701314, -1.928459], 5, "the scales of f64 and extrapolation, UNFLIPPED"),
         ([2.39825, -1.884929], 5, "the scale of extrapolation, OF_CLEARANCE"),
     ];
-    let question = Question { build: rods, ..question(Rule::First, 30.0) };
-    check(question, Ends::None, at_rest(&witnesses), &witnesses);
+    let question = EventSpec { build: rods, ..question(Rule::First, 30.0) };
+    check(question, WantedEnd::None, at_rest(&witnesses), &witnesses);
 }
 
 #[test]
@@ -112,17 +112,17 @@ fn of_states_growth_and_returns() {
         ([-1.785374, -0.539467], 1, "STATE, MAX_CHANCE"),
         ([-2.680131, -3.041647], 3, "the displacement of nudged runs"),
     ];
-    check(neither(12.0), Ends::Plain, at_rest(&states), &states);
+    check(neither(12.0), WantedEnd::Plain, at_rest(&states), &states);
     let growth: [Witness; 2] = [
         ([2.543719, 0.34303], 4, "GROWTH, confirmation"),
         ([2.119783, 0.858998], 2, "GROWTH, confirmation"),
     ];
-    check(neither(15.0), Ends::Growth, at_rest(&growth), &growth);
+    check(neither(15.0), WantedEnd::Growth, at_rest(&growth), &growth);
     let returns: [Witness; 2] = [
         ([2.006433, -1.769108], 1, "NEAREST, confirmation"),
         ([2.756867, -0.473489], 2, "confirmation"),
     ];
-    check(neither(8.0), Ends::Return, at_rest(&returns), &returns);
+    check(neither(8.0), WantedEnd::Return, at_rest(&returns), &returns);
 }
 
 #[test]
@@ -134,14 +134,14 @@ fn of_deep_starts() {
     )];
     let center = ["-1.65907312822246439054652000777423381805419921875", "0.1"];
     let starts = in_leaf(center, 40, &witnesses);
-    check(question(Rule::Second, 40.0), Ends::None, starts, &witnesses);
+    check(question(Rule::Second, 40.0), WantedEnd::None, starts, &witnesses);
     let witnesses: [Witness; 1] = [([0.224, 0.959], 0, "the scale of DOP853 after a map")];
     let starts = in_leaf(["2.2", "1.3"], 7, &witnesses);
-    check(question(Rule::Second, 15.0), Ends::None, starts, &witnesses);
+    check(question(Rule::Second, 15.0), WantedEnd::None, starts, &witnesses);
     let witnesses: [Witness; 2] = [
         ([0.154, -0.897], 1, "UNFLIPPED, MAX_CHANCE"),
         ([0.836, -0.016], 3, "GROWTH, confirmation"),
     ];
     let starts = in_leaf(["2.3", "1.1"], 30, &witnesses);
-    check(question(Rule::Neither, 20.0), Ends::Growth, starts, &witnesses);
+    check(question(Rule::Neither, 20.0), WantedEnd::Growth, starts, &witnesses);
 }

@@ -21,7 +21,7 @@ use crate::real::{Angle, Real, Scalar};
 pub struct Fixed<const N: usize>([u64; N]);
 
 /// An angle for views of the plane down to widths of 1e-100 rad, with 34 digits to spare.
-pub type Theta = Fixed<8>;
+pub type Exact = Fixed<8>;
 
 /// The limbs of π, highest first.
 const PI: [u64; 9] = [
@@ -298,7 +298,7 @@ impl<const N: usize> Scalar for Fixed<N> {
         root
     }
 
-    fn from_theta(value: Theta) -> Self {
+    fn from_theta(value: Exact) -> Self {
         value.resized()
     }
 

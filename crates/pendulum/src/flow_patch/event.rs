@@ -151,7 +151,7 @@ impl FlowPatch {
             return PatchEvent::Back(bob);
         }
         let tau = patch_step.plan.length * fraction;
-        let (shift, phase) = dynamics.pass_of_all(&self.phase, tau, bob);
+        let (shift, phase) = dynamics.crossing_jet(&self.phase, tau, bob);
         let speed = dynamics.jets.speeds(&phase)[bob];
         let clear = shift.tail() <= TIME_TOLERANCE.min(tolerance.sqrt())
             && speed.spread() < 0.5 * speed.middle().abs();
@@ -184,7 +184,7 @@ impl Dynamics {
     }
 
     /// The delay after `tau` with which each start's `bob` passes the top, and the states then.
-    fn pass_of_all(&self, from: &Phase<Jet>, tau: f64, bob: usize) -> (Jet, Phase<Jet>) {
+    fn crossing_jet(&self, from: &Phase<Jet>, tau: f64, bob: usize) -> (Jet, Phase<Jet>) {
         self.moment_of_all(from, tau, |phase| {
             phase[2 * bob + 1] / (self.jets.speeds(phase)[bob] * phase[2 * bob])
         })

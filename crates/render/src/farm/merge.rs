@@ -44,13 +44,13 @@ pub enum MergeError {
 /// Number of rows that are passed on together.
 const ROWS: u32 = 64;
 
-/// Writes a still from its parts. `go_on` takes the samples done and returns false to stop.
+/// Writes a still from its parts. `keep_going` takes the samples done and returns false to stop.
 pub fn still(
     document: &Document,
     passes: &[StillPass],
     parts: &mut Parts,
     paths: &Paths,
-    go_on: &mut dyn FnMut(u64) -> bool,
+    keep_going: &mut dyn FnMut(u64) -> bool,
 ) -> Result<(), MergeError> {
     let size = document.run.size.unwrap_or([1, 1]);
     let mut sinks = Sinks::open(paths, document, size)?;
@@ -64,7 +64,7 @@ pub fn still(
             row += (samples.len() / rows.size[0] as usize) as u32;
             done += samples.len() as u64;
             take(samples)?;
-            if !go_on(done) {
+            if !keep_going(done) {
                 return Err(MergeError::Stopped);
             }
         }
@@ -146,7 +146,7 @@ impl FilmSink {
     }
 }
 
-/// Paints a film whose frames are stills from their parts. `go_on` takes the number of frames done and
+/// Paints a film whose frames are stills from their parts. `keep_going` takes the number of frames done and
 /// returns false to stop.
 pub fn frames(
     film: &Film,
@@ -154,7 +154,7 @@ pub fn frames(
     picture: &PictureTable,
     parts: &mut Parts,
     mut sink: FilmSink,
-    go_on: &mut dyn FnMut(u64) -> bool,
+    keep_going: &mut dyn FnMut(u64) -> bool,
 ) -> Result<(), MergeError> {
     for (number, FrameTask { shot, pass }) in (0..).zip(frames) {
         if sink.has(number, shot) {
@@ -168,7 +168,7 @@ pub fn frames(
             rgb.extend(painter.paint(&samples));
         }
         sink.write(number, shot, &rgb)?;
-        if !go_on(u64::from(number) + 1) {
+        if !keep_going(u64::from(number) + 1) {
             return Err(MergeError::Stopped);
         }
     }
@@ -176,25 +176,25 @@ pub fn frames(
 }
 
 /// Consecutive frames of a group that show the same flips.
-struct Alike {
+struct EqualFrames {
     shown: FlipWindow,
     frames: Vec<(u32, Shot)>,
 }
 
-/// Paints a film from its parts. `go_on` takes the number of frames done and returns false to stop.
+/// Paints a film from its parts. `keep_going` takes the number of frames done and returns false to stop.
 pub fn film(
     task: &Task,
     picture: &PictureTable,
     parts: &mut Parts,
     mut sink: FilmSink,
-    go_on: &mut dyn FnMut(u64) -> bool,
+    keep_going: &mut dyn FnMut(u64) -> bool,
 ) -> Result<(), MergeError> {
     let TaskKind::Film(film, groups) = &task.work else { return Err(PartError::Gone.into()) };
     let colours = Colours::new(tones(film, picture)?, picture.relief > 0.0);
     let mut painter = FramePainter::new(film.size, picture);
     let legend = legend(film, picture)?;
     for group in groups {
-        for Alike { shown, mut frames } in alike(film, group) {
+        for EqualFrames { shown, mut frames } in alike(film, group) {
             frames.retain(|(frame, shot)| !sink.has(*frame, shot));
             if frames.is_empty() {
                 continue;
@@ -206,7 +206,7 @@ pub fn film(
                     legend.lay_over(&mut rgb, film.size[0]);
                 }
                 sink.write(frame, &shot, &rgb)?;
-                if !go_on(u64::from(frame) + 1) {
+                if !keep_going(u64::from(frame) + 1) {
                     return Err(MergeError::Stopped);
                 }
             }
@@ -232,14 +232,14 @@ pub fn tones(film: &Film, picture: &PictureTable) -> Result<Tones, SceneError> {
     Tones::new(picture, film.keys[0].scene.pendulum.unit_secs(), film.budget_secs())
 }
 
-fn alike(film: &Film, group: &FrameGroupTask) -> Vec<Alike> {
-    let mut all: Vec<Alike> = Vec::new();
+fn alike(film: &Film, group: &FrameGroupTask) -> Vec<EqualFrames> {
+    let mut all: Vec<EqualFrames> = Vec::new();
     for frame in group.group.frames.clone() {
         let shot = film.shot(frame);
         let shown = FlipWindow::of(film, &shot);
         match all.last_mut() {
             Some(last) if last.shown == shown => last.frames.push((frame, shot)),
-            _ => all.push(Alike { shown, frames: vec![(frame, shot)] }),
+            _ => all.push(EqualFrames { shown, frames: vec![(frame, shot)] }),
         }
     }
     all

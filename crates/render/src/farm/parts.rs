@@ -69,7 +69,7 @@ pub enum PartError {
 
 /// The rows or patches whose samples a part holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum Holds {
+enum PartContents {
     /// Rows of a picture `width` samples wide: `count` of them, from `first` on.
     Rows { width: u32, first: u32, count: u32 },
     /// Patches: their levels, and the limbs of their lower left corners.
@@ -80,7 +80,7 @@ enum Holds {
 struct Part {
     /// Digest of everything that decides the samples.
     of: String,
-    holds: Holds,
+    holds: PartContents,
     samples: Samples,
 }
 
@@ -109,14 +109,14 @@ impl Part {
         let Some(form) = forms.get(&self.of) else { return Ok(()) };
         let (count, channels, fits) = match (&self.holds, *form) {
             (
-                Holds::Rows { width, first, count },
+                PartContents::Rows { width, first, count },
                 PartForm::Rows { width: wide, rows, channels },
             ) => {
                 let end = u64::from(*first) + u64::from(*count);
                 let fits = *width == wide && end <= u64::from(rows);
                 (u64::from(*width) * u64::from(*count), channels, fits)
             }
-            (Holds::Patches(places), PartForm::Patches) => {
+            (PartContents::Patches(places), PartForm::Patches) => {
                 ((places.len() * PATCH_SAMPLES) as u64, 1, true)
             }
             _ => return Err("it holds rows where the plan has patches, or the other way round"),
@@ -146,7 +146,7 @@ impl PartWriter {
     pub(crate) fn rows(&self, width: u32, first: u32, samples: Samples) -> Result<(), PartError> {
         let count = (samples.len() / width as usize) as u32;
         let name = format!("rows-{}-{first:07}-{count}.part", &self.of[..8]);
-        self.write(&name, Holds::Rows { width, first, count }, samples)
+        self.write(&name, PartContents::Rows { width, first, count }, samples)
     }
 
     /// Writes a part of patches, whose samples follow one another.
@@ -158,10 +158,10 @@ impl PartWriter {
             &self.of[..8],
             &sha256(format!("{places:?}").as_bytes())[..16]
         );
-        self.write(&name, Holds::Patches(places), samples)
+        self.write(&name, PartContents::Patches(places), samples)
     }
 
-    fn write(&self, name: &str, holds: Holds, samples: Samples) -> Result<(), PartError> {
+    fn write(&self, name: &str, holds: PartContents, samples: Samples) -> Result<(), PartError> {
         let path = self.folder.join(name);
         let part = Part { of: self.of.clone(), holds, samples };
         let written = || {
@@ -231,13 +231,13 @@ impl Parts {
         let file = self.paths.len();
         self.paths.push(path);
         match &part.holds {
-            Holds::Rows { first, count, .. } => {
+            PartContents::Rows { first, count, .. } => {
                 let longest = self.rows.entry((part.of.clone(), *first)).or_insert((0, file));
                 if *count > longest.0 {
                     *longest = (*count, file);
                 }
             }
-            Holds::Patches(places) => {
+            PartContents::Patches(places) => {
                 let known = self.patches.entry(part.of.clone()).or_default();
                 for (k, (level, x, y)) in places.iter().enumerate() {
                     let [x, y] = [*x, *y].map(Turn::from_limbs);
@@ -293,7 +293,7 @@ impl Parts {
         let before = self.rows.range((of.to_string(), 0)..=(of.to_string(), row)).rev();
         let (first, count, file) = before.into_iter().find_map(holds).ok_or(PartError::Gone)?;
         let part = self.load(file)?;
-        let Holds::Rows { width, .. } = part.holds else { return Err(PartError::Gone) };
+        let PartContents::Rows { width, .. } = part.holds else { return Err(PartError::Gone) };
         let end = (row + most).min(first + count);
         let [from, to] = [row, end].map(|row| (row - first) as usize * width as usize);
         Ok(part.samples.part(from..to))
@@ -411,7 +411,7 @@ mod tests {
     fn parts_whose_checksum_was_made_to_fit_are_compared_with_the_plan() {
         let of = sha256(b"a still");
         let form = PartForm::Rows { width: 3, rows: 10, channels: 1 };
-        let damage = |holds: Holds, samples: Samples| {
+        let damage = |holds: PartContents, samples: Samples| {
             let folder = tempfile::tempdir().unwrap();
             let writer = PartWriter::open(folder.path(), &of).unwrap();
             let name = format!("rows-{}-0000000-4.part", &of[..8]);
@@ -419,7 +419,7 @@ mod tests {
             let parts = Parts::scan(folder.path(), forms(&of, form)).unwrap();
             parts.damaged().first().map(|(_, why)| *why)
         };
-        let rows = |width, first, count| Holds::Rows { width, first, count };
+        let rows = |width, first, count| PartContents::Rows { width, first, count };
         assert_eq!(damage(rows(3, 0, 4), samples(12, 0.0)), None);
         let other = Some("its rows are not those of the plan");
         assert_eq!(damage(rows(4, 0, 3), samples(12, 0.0)), other);
@@ -428,7 +428,7 @@ mod tests {
         let few = Some("its samples are not as many as it says");
         assert_eq!(damage(rows(3, 0, 4), samples(11, 0.0)), few);
         assert_eq!(damage(rows(3, 0, 4), Samples::unanswered(12, 2)), few);
-        let patch = Holds::Patches(vec![(0, [0; 8], [0; 8])]);
+        let patch = PartContents::Patches(vec![(0, [0; 8], [0; 8])]);
         assert!(damage(patch, samples(PATCH_SAMPLES, 0.0)).unwrap().contains("patches"));
     }
 

@@ -36,36 +36,41 @@ const MIN_WAIT: Duration = Duration::from_millis(500);
 /// Divisor of the elapsed time for a longer such time: long runs have fewer and larger parts.
 const WAIT_SHARE: u32 = 60;
 
-/// Computes pieces of a task. `go_on` takes the counts so far and returns false to stop; what is
+/// Computes pieces of a task. `keep_going` takes the counts so far and returns false to stop; what is
 /// finished is kept then too.
 pub fn run(
     task: &Task,
     pieces: &[WorkPiece],
     engine: &mut dyn Engine,
-    go_on: &mut dyn FnMut(&Counts) -> bool,
+    keep_going: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<Counts, RunError> {
     let mut counts = Counts::default();
     let begun = Instant::now();
     for piece in pieces {
         let before = counts;
-        let mut go_on = |now: Counts| {
+        let mut keep_going = |now: Counts| {
             counts = before;
             counts += now;
-            go_on(&counts)
+            keep_going(&counts)
         };
         match (piece, &task.work) {
             (WorkPiece::Motion(moved, rows), TaskKind::Frames(_, frames)) => {
                 let moved: Vec<_> = moved.iter().map(|frame| &frames[*frame]).collect();
-                motion(task, &moved, rows.clone(), engine, &mut go_on)?;
+                motion(task, &moved, rows.clone(), engine, &mut keep_going)?;
             }
-            _ => drive(open(task, piece, engine.job_size())?.as_mut(), engine, begun, &mut go_on)?,
+            _ => drive(
+                open(task, piece, engine.job_size())?.as_mut(),
+                engine,
+                begun,
+                &mut keep_going,
+            )?,
         }
     }
     Ok(counts)
 }
 
 /// A piece being computed.
-trait Going {
+trait PieceInProgress {
     /// Advances until `deadline` at most.
     fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError>;
     /// Returns true if everything is computed.
@@ -82,7 +87,7 @@ fn open<'a>(
     task: &'a Task,
     piece: &'a WorkPiece,
     job_size: usize,
-) -> Result<Box<dyn Going + 'a>, PartError> {
+) -> Result<Box<dyn PieceInProgress + 'a>, PartError> {
     Ok(match (piece, &task.work) {
         (WorkPiece::Rows(_, rows), _) => {
             let (scene, pass) = task.still(piece).ok_or(PartError::Gone)?;
@@ -113,15 +118,15 @@ fn open<'a>(
 
 /// Computes a piece to its end or a stop, and keeps what is finished now and then.
 fn drive(
-    piece: &mut dyn Going,
+    piece: &mut dyn PieceInProgress,
     engine: &mut dyn Engine,
     begun: Instant,
-    go_on: &mut dyn FnMut(Counts) -> bool,
+    keep_going: &mut dyn FnMut(Counts) -> bool,
 ) -> Result<(), RunError> {
     let mut kept = Instant::now();
     loop {
         let worked = piece.work(engine, Instant::now() + PATIENCE);
-        let going = go_on(piece.counts()) && worked.is_ok();
+        let going = keep_going(piece.counts()) && worked.is_ok();
         let wait = MIN_WAIT.max(begun.elapsed() / WAIT_SHARE);
         let full = piece.loose() >= MOST || kept.elapsed() >= wait;
         if piece.loose() > 0 && (full || piece.is_done() || !going) {
@@ -159,15 +164,15 @@ fn motion(
     frames: &[&FrameTask],
     rows: Range<u32>,
     engine: &mut dyn Engine,
-    go_on: &mut dyn FnMut(Counts) -> bool,
+    keep_going: &mut dyn FnMut(Counts) -> bool,
 ) -> Result<(), RunError> {
     let [first, ..] = frames else { return Ok(()) };
     let (size, job_size) = (first.pass.size, engine.job_size());
     let mut moments =
         Moments::of_rows(&first.shot.scene, size, task.config, job_size, rows.clone());
-    let (mut counts, go_on) = (Counts::default(), RefCell::new(go_on));
+    let (mut counts, keep_going) = (Counts::default(), RefCell::new(keep_going));
     for FrameTask { shot, pass } in frames {
-        let goes_on = || (go_on.borrow_mut())(counts);
+        let goes_on = || (keep_going.borrow_mut())(counts);
         let at_secs = shot.scene.question.end_secs();
         let Some(samples) = moments.at(engine, at_secs, &goes_on)? else {
             return Err(RunError::Stopped);
@@ -175,7 +180,7 @@ fn motion(
         keep_rows(&PartWriter::open(&task.folder, &pass.of)?, size[0], rows.start, samples)?;
         counts.pixels += samples.len() as u64;
         counts.simulated += moments.moving() as u64;
-        if !(go_on.borrow_mut())(counts) {
+        if !(keep_going.borrow_mut())(counts) {
             return Err(RunError::Stopped);
         }
     }
@@ -192,7 +197,7 @@ struct PendingRows {
     loose: Samples,
 }
 
-impl Going for PendingRows {
+impl PieceInProgress for PendingRows {
     fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError> {
         for tile in self.work.work(engine, Some(deadline))? {
             self.order.push(tile).into_iter().for_each(|samples| self.loose.append(samples));
@@ -227,7 +232,7 @@ struct Patches {
     loose: Samples,
 }
 
-impl Going for Patches {
+impl PieceInProgress for Patches {
     fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError> {
         for (cell, samples) in self.work.work(engine, deadline)? {
             self.cells.push(cell);

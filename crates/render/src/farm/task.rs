@@ -12,8 +12,8 @@ use crate::tiles::patches::{PATCH_SAMPLES, PATCH_SIDE, canonical};
 use flipmap_engine::IntegratorConfig;
 use flipmap_scene::film::{Film, FilmKind, Shot};
 use flipmap_scene::lattice::Cell;
-use flipmap_scene::question::Ask;
-use flipmap_scene::{Build, Document, QuestionTable, Sampling, Scene, View};
+use flipmap_scene::question::QuestionName;
+use flipmap_scene::{Document, PendulumSpec, QuestionSettings, Sampling, Scene, View};
 
 /// Largest number of patches in a hand, which is dealt to one shard.
 const DEALT: usize = 256;
@@ -257,7 +257,7 @@ impl StillPass {
     }
 
     /// The digest of the pass, and the form of the samples that answer a question.
-    fn form(&self, ask: Ask) -> (String, PartForm) {
+    fn form(&self, ask: QuestionName) -> (String, PartForm) {
         let channels = ask.kind().channels.len();
         (self.of.clone(), PartForm::Rows { width: self.size[0], rows: self.rows, channels })
     }
@@ -341,7 +341,7 @@ fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
 /// they differ from their defaults, so that older parts are still found.
 fn what_of(scene: &Scene) -> String {
     let Scene { build, question, view, plane } = scene;
-    let Build { kind, masses, lengths, gravity, friction } = build;
+    let PendulumSpec { kind, masses, lengths, gravity, friction } = build;
     let build = format!(
         "Build {{ kind: {kind:?}, masses: {masses:?}, lengths: {lengths:?}, gravity: {gravity:?} }}"
     );
@@ -353,7 +353,7 @@ fn what_of(scene: &Scene) -> String {
     if scene.is_flip_from_rest() && !scene.build.has_friction() {
         return plain;
     }
-    let QuestionTable { ask, at, count, .. } = question;
+    let QuestionSettings { ask, at, count, .. } = question;
     format!("{plain} {friction:?} {ask} {at:?} {count} {plane:?}")
 }
 
@@ -377,7 +377,7 @@ mod tests {
         assert_eq!(what_of(&home), old);
         let changes: [fn(&mut Scene); 5] = [
             |scene| scene.build.friction[1] = Decimal::from(0.1),
-            |scene| scene.question.ask = Ask::State,
+            |scene| scene.question.ask = QuestionName::State,
             |scene| scene.question.count = 2,
             |scene| scene.plane.origin[3] = "1".to_string(),
             |scene| scene.plane.kind = "speeds".parse().unwrap(),

@@ -28,7 +28,7 @@ pub struct FrameError {
 
 /// The contents of the JSON file beside a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Beside {
+struct Sidecar {
     /// Number of the frame, from 0.
     frame: u32,
     /// Time of the frame in the film, s.
@@ -51,7 +51,7 @@ struct Manifest {
     fps: f64,
     size: [u32; 2],
     /// The numbered pictures, in order.
-    pictures: Vec<Beside>,
+    pictures: Vec<Sidecar>,
 }
 
 /// Largest size of a picture's file in bytes: that of the largest frame, not compressed.
@@ -66,7 +66,7 @@ pub struct Frames {
     fps: f64,
     /// Colours and run settings of all frames; its scene does not matter.
     document: Document,
-    done: Vec<Beside>,
+    done: Vec<Sidecar>,
 }
 
 impl Frames {
@@ -111,7 +111,7 @@ impl Frames {
     /// Returns true if a frame is there, whole and as it should be.
     pub(crate) fn has(&mut self, frame: u32, shot: &Shot) -> bool {
         let [png, json] = self.paths(frame);
-        let Some(beside) = Beside::read(&json) else { return false };
+        let Some(beside) = Sidecar::read(&json) else { return false };
         let Ok(picture) = read_plain(&png, MAX_OF_PICTURE) else { return false };
         let same = beside == self.beside(frame, shot, &picture);
         if same {
@@ -165,8 +165,8 @@ impl Frames {
         self.document.clone().with_scene(shot.scene.clone())
     }
 
-    fn beside(&self, frame: u32, shot: &Shot, picture: &[u8]) -> Beside {
-        Beside {
+    fn beside(&self, frame: u32, shot: &Shot, picture: &[u8]) -> Sidecar {
+        Sidecar {
             frame,
             secs: f64::from(frame) / self.fps,
             location: location::text(&shot.scene),
@@ -177,9 +177,9 @@ impl Frames {
     }
 }
 
-impl Beside {
+impl Sidecar {
     /// The contents of a frame's JSON file; none if it is no such file.
-    fn read(json: &Path) -> Option<Beside> {
+    fn read(json: &Path) -> Option<Sidecar> {
         serde_json::from_str(&read_text(json).ok()?).ok()
     }
 }
@@ -210,14 +210,14 @@ fn is_manifest(path: &Path) -> bool {
 fn is_frame(path: &Path) -> bool {
     let is_picture = |path: &Path| open_plain(path).is_ok_and(|f| carries_scene(BufReader::new(f)));
     let is_json = path.extension().is_some_and(|ending| ending == "json");
-    Beside::read(&path.with_extension("json")).is_some() && (is_json || is_picture(path))
+    Sidecar::read(&path.with_extension("json")).is_some() && (is_json || is_picture(path))
 }
 
 /// Removes frames of an earlier, longer film, so that players find only this one in the folder.
 fn remove_from(folder: &Path, frames: u32) -> Result<(), FrameError> {
     for frame in frames.. {
         let [png, json] = ["png", "json"].map(|ending| folder.join(format!("{frame:06}.{ending}")));
-        if Beside::read(&json).is_none() || objection(&png).is_some() {
+        if Sidecar::read(&json).is_none() || objection(&png).is_some() {
             return Ok(());
         }
         remove(&png)?;

@@ -10,7 +10,7 @@ pub use super::comparison::Comparison;
 use super::npy::npy_shape;
 use super::whole_png::check_whole_png;
 use flipmap_engine::plain_file::open_plain;
-use flipmap_scene::question::{Ask, Channel, ChannelScale};
+use flipmap_scene::question::{Channel, ChannelScale, QuestionName};
 
 /// A result that is read row by row, from the top.
 pub struct ResultRows {
@@ -95,7 +95,7 @@ pub enum CompareError {
         /// Path of the result.
         path: PathBuf,
         /// The named question.
-        ask: Ask,
+        ask: QuestionName,
         /// Number of its channels.
         found: usize,
     },
@@ -167,7 +167,7 @@ impl ResultRows {
     }
 
     /// Refuses an array that does not have the channels of a question.
-    pub fn require(&self, ask: Ask) -> Result<(), CompareError> {
+    pub fn require(&self, ask: QuestionName) -> Result<(), CompareError> {
         match self.kind {
             ResultKind::Times(_, found) if found != ask.kind().channels.len() => {
                 Err(CompareError::Ask { path: self.path.clone(), ask, found })
@@ -228,7 +228,7 @@ pub enum Yardstick {
 
 impl Yardstick {
     /// The yardstick of a question.
-    pub fn of(ask: Ask) -> Self {
+    pub fn of(ask: QuestionName) -> Self {
         match ask.kind().channels {
             [channel] => Yardstick::Channel(channel),
             channels => Yardstick::Channels(channels),
@@ -375,10 +375,10 @@ mod tests {
     #[test]
     fn each_channel_is_compared_by_its_own_measure() {
         use std::f64::consts::PI;
-        let growth = Yardstick::of(Ask::Growth);
+        let growth = Yardstick::of(QuestionName::Growth);
         assert_eq!((growth.unit(), growth.tolerance()), ("1/s", 1e-2));
         assert_eq!(growth.between(&[0.5], &[0.25]), Difference::By(0.25));
-        let state = Yardstick::of(Ask::State);
+        let state = Yardstick::of(QuestionName::State);
         let a = [PI - 1e-3, 0.0, 1.0, 0.0, 2.0, 0.0];
         let across = [1e-3 - PI, 0.0, 1.0, 0.0, 2.0, 0.0];
         let Difference::By(by) = state.between(&a, &across) else { panic!("no turns differ") };

@@ -16,7 +16,7 @@ use crate::tiles::Samples;
 use crate::tiles::number_of;
 use flipmap_engine::Trust;
 use flipmap_pendulum::Status;
-use flipmap_scene::{Document, QuestionTable};
+use flipmap_scene::{Document, QuestionSettings};
 
 /// Contents of a channel of the file.
 #[derive(Clone, Copy)]
@@ -30,7 +30,7 @@ enum Column {
 }
 
 /// The channels of a question's image in the order of the file, which is alphabetical.
-fn columns_of(question: &QuestionTable) -> Vec<(&'static str, Column)> {
+fn columns_of(question: &QuestionSettings) -> Vec<(&'static str, Column)> {
     let ask = question.ask;
     let channels = ask.kind().channels.iter().enumerate();
     let mut columns: Vec<_> = channels.map(|(k, it)| (it.name, Column::Value(k))).collect();

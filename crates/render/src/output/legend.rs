@@ -7,7 +7,7 @@ use flipmap_scene::SceneError;
 use flipmap_scene::palette::{
     AnswerColours, BarLabels, FAILED, Ground, LegendTitle, Rgb, Tint, rounded, tint_of,
 };
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 
 /// The font of all words.
 const FONT: &[u8] = epaint_default_fonts::HACK_REGULAR;
@@ -37,7 +37,7 @@ impl Legend {
     /// pixels; refuses a picture with too little room.
     pub(crate) fn new(
         colours: &AnswerColours,
-        ask: Ask,
+        ask: QuestionName,
         size: [u32; 2],
     ) -> Result<Self, SceneError> {
         let letter = (size[1] as f32 * LETTER_SHARE).max(MIN_LETTER).round();
@@ -147,7 +147,7 @@ impl Sheet {
     }
 
     /// Draws the bar of a quantity with its name above and values below.
-    fn bar(&mut self, colours: &AnswerColours, ask: Ask) {
+    fn bar(&mut self, colours: &AnswerColours, ask: QuestionName) {
         let (left, length, letter) = (self.left(), self.length(), self.letter);
         let top = (self.next + 1.4 * letter).round();
         self.fill([left.round(), top], [length, 1.2 * letter], |[x, _]| colours.colour_along(x));
@@ -185,7 +185,7 @@ impl Sheet {
     }
 
     /// Draws the colours of pixels without an answer, each in a frame.
-    fn statuses(&mut self, ground: Ground, ask: Ask) {
+    fn statuses(&mut self, ground: Ground, ask: QuestionName) {
         let [_, without] = ask.kind().counted;
         let (letter, mut x) = (self.letter, self.left());
         let Ground { unflipped, forbidden, .. } = ground;
@@ -220,10 +220,10 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_scene::{PictureTable, QuestionTable, Scene};
+    use flipmap_scene::{PictureTable, QuestionSettings, Scene};
 
-    fn legend(ask: Ask, size: [u32; 2]) -> Result<Legend, SceneError> {
-        let question = QuestionTable { ask, ..QuestionTable::default() };
+    fn legend(ask: QuestionName, size: [u32; 2]) -> Result<Legend, SceneError> {
+        let question = QuestionSettings { ask, ..QuestionSettings::default() };
         let scene = Scene { question, ..Scene::default() };
         let colours = AnswerColours::new(&scene, &PictureTable::default())?;
         Legend::new(&colours, ask, size)
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn it_lies_in_the_corner_and_nowhere_else() {
         let size = [400, 300];
-        let legend = legend(Ask::Flip, size).unwrap();
+        let legend = legend(QuestionName::Flip, size).unwrap();
         let ground = [10.0, 200.0, 30.0];
         let changed = |x, y| legend.over(ground, x, y) != ground;
         let pixels = (0..300).flat_map(|y| (0..400).map(move |x| (x, y)));
@@ -252,8 +252,8 @@ mod tests {
             let solid = legend.pixels.iter().filter(|(_, cover)| *cover == 1.0);
             solid.map(|(colour, _)| *colour).collect::<std::collections::HashSet<_>>().len()
         };
-        assert!((100..400).contains(&colours_seen(Ask::Flip)));
-        assert!(colours_seen(Ask::State) > 2000);
+        assert!((100..400).contains(&colours_seen(QuestionName::Flip)));
+        assert!(colours_seen(QuestionName::State) > 2000);
     }
 
     #[test]
@@ -265,16 +265,19 @@ mod tests {
             let bar: Vec<_> = row.iter().filter(|(_, cover)| *cover == 1.0).collect();
             1 + bar.windows(2).filter(|pair| pair[0].0 != pair[1].0).count()
         };
-        assert_eq!(rows(Ask::First), 2);
+        assert_eq!(rows(QuestionName::First), 2);
         // 0 to 38 passes in 30 s.
-        assert_eq!(rows(Ask::Flips), 39);
-        assert!(rows(Ask::Flip) > 100, "the test can fail");
+        assert_eq!(rows(QuestionName::Flips), 39);
+        assert!(rows(QuestionName::Flip) > 100, "the test can fail");
     }
 
     #[test]
     fn a_picture_without_room_is_refused() {
-        let refused = legend(Ask::Flip, [200, 200]).unwrap_err().to_string();
+        let refused = legend(QuestionName::Flip, [200, 200]).unwrap_err().to_string();
         assert!(refused.contains("`legend` is set for a picture of 200x200"), "{refused}");
-        assert!(legend(Ask::State, [320, 160]).is_ok() && legend(Ask::Flip, [320, 160]).is_ok());
+        assert!(
+            legend(QuestionName::State, [320, 160]).is_ok()
+                && legend(QuestionName::Flip, [320, 160]).is_ok()
+        );
     }
 }

@@ -99,8 +99,8 @@ impl PictureRecipe<'_> {
         if let Some(saved) = saved.take() {
             work = work.keeping(saved);
         }
-        let mut go_on = |counts: &Counts| keep_going(middles + counts.pixels);
-        render_pass(&mut work, renderer.engine(), sinks, pass, clock, &mut go_on)?;
+        let mut keep_going = |counts: &Counts| keep_going(middles + counts.pixels);
+        render_pass(&mut work, renderer.engine(), sinks, pass, clock, &mut keep_going)?;
         rendered.counts += work.totals();
         rendered.saved = work.into_kept().or(rendered.saved.take());
         Ok(())

@@ -52,14 +52,14 @@ fn is_adaptive(document: &Document, pass: &SinkPass) -> bool {
 }
 
 /// The work of a pass over a picture of `size` pixels. In adaptive sampling, a run over the pixels'
-/// middles comes first, with counts of its own; it ends as stopped once `go_on` returns false.
+/// middles comes first, with counts of its own; it ends as stopped once `keep_going` returns false.
 pub fn pass_work(
     renderer: &mut Renderer,
     (document, cells): (&Document, Cells),
     size: [u32; 2],
     (sinks, pass): (&mut Sinks, &SinkPass),
     clock: &mut RenderClock,
-    go_on: &dyn Fn(&Counts) -> bool,
+    keep_going: &dyn Fn(&Counts) -> bool,
 ) -> Result<Work, RenderError> {
     let (scene, picture) = (document.scene(), &document.picture);
     let work = renderer.sampled_work(&scene, size, pass.sampling).with_cells(cells);
@@ -69,7 +69,7 @@ pub fn pass_work(
     let colours = AnswerColours::new(&scene, picture).map_err(OutputError::from)?;
     let (what, how) = ((&scene, cells), (&colours, pass.sampling));
     let computing = Instant::now();
-    let plain = PlainPixels::find(renderer, what, size, how, go_on);
+    let plain = PlainPixels::find(renderer, what, size, how, keep_going);
     clock.compute += computing.elapsed();
     let plain = Arc::new(plain?.ok_or(RenderError::Stopped)?);
     if pass.sampling == Sampling::Corners {
@@ -78,7 +78,7 @@ pub fn pass_work(
     Ok(work.sparing(plain))
 }
 
-/// Runs one pass and hands its samples to `sinks`, rows from the top. `go_on` takes the counts so
+/// Runs one pass and hands its samples to `sinks`, rows from the top. `keep_going` takes the counts so
 /// far, at least every few hundredths of a second, and returns false to stop.
 pub fn render_pass(
     work: &mut Work,
@@ -86,12 +86,12 @@ pub fn render_pass(
     sinks: &mut Sinks,
     pass: &SinkPass,
     clock: &mut RenderClock,
-    go_on: &mut dyn FnMut(&Counts) -> bool,
+    keep_going: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<(), RenderError> {
     let (bands, taken) = sync_channel(AHEAD);
     std::thread::scope(|scope| {
         let writer = scope.spawn(move || write(sinks, pass, &taken));
-        let computed = compute(work, engine, bands, clock, go_on);
+        let computed = compute(work, engine, bands, clock, keep_going);
         let (output, written) = writer.join().unwrap_or_else(|panic| resume_unwind(panic));
         clock.output += output;
         // A writer that fails ends the computation, too.
@@ -124,14 +124,15 @@ fn compute(
     engine: &mut dyn Engine,
     bands: SyncSender<Samples>,
     clock: &mut RenderClock,
-    go_on: &mut dyn FnMut(&Counts) -> bool,
+    keep_going: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<(), RenderError> {
     let mut rows = RowOrder::default();
     while !work.is_done() {
         let computing = Instant::now();
         let finished = work.work(engine, Some(computing + PATIENCE))?;
         clock.compute += computing.elapsed();
-        let mut heed = || if go_on(&work.counts()) { Ok(()) } else { Err(RenderError::Stopped) };
+        let mut heed =
+            || if keep_going(&work.counts()) { Ok(()) } else { Err(RenderError::Stopped) };
         for samples in finished.into_iter().flat_map(|tile| rows.push(tile)) {
             if !pass_on(&bands, samples, &mut heed)? {
                 return Ok(());
@@ -170,10 +171,10 @@ mod tests {
     const CONFIG: IntegratorConfig =
         IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 
-    /// Renders the home map to a file until `go_on` says no.
+    /// Renders the home map to a file until `keep_going` says no.
     fn render(
         path: &str,
-        go_on: &mut dyn FnMut(&Counts) -> bool,
+        keep_going: &mut dyn FnMut(&Counts) -> bool,
     ) -> (Result<(), RenderError>, Counts) {
         let paths = Paths { raw: Some(path.into()), ..Paths::default() };
         let (document, size) = (Document::default(), [200, 200]);
@@ -182,7 +183,7 @@ mod tests {
         let pass = sinks.passes(Sampling::SINGLE).remove(0);
         let mut work = Work::new(&document.scene(), size, CONFIG, 200);
         let clock = &mut RenderClock::default();
-        let done = render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, go_on);
+        let done = render_pass(&mut work, &mut engine, &mut sinks, &pass, clock, keep_going);
         (done, work.counts())
     }
 

@@ -13,11 +13,11 @@ use super::SafeFile;
 /// unnamed temporary file until it is complete.
 pub(crate) struct Spool {
     file: BufWriter<File>,
-    then: Then,
+    then: FinalStep,
 }
 
 /// The last step, which takes the file to its destination.
-enum Then {
+enum FinalStep {
     Rename(TempPath, PathBuf),
     Copy(SafeFile),
 }
@@ -27,11 +27,11 @@ impl Spool {
     pub(crate) fn new(destination: SafeFile) -> io::Result<Self> {
         Ok(match destination {
             SafeFile::Beside(file, beside, path) => {
-                Spool { file, then: Then::Rename(beside, path) }
+                Spool { file, then: FinalStep::Rename(beside, path) }
             }
             stream => {
                 let file = tempfile::tempfile().map_err(in_temporary_folder)?;
-                Spool { file: BufWriter::new(file), then: Then::Copy(stream) }
+                Spool { file: BufWriter::new(file), then: FinalStep::Copy(stream) }
             }
         })
     }
@@ -40,8 +40,8 @@ impl Spool {
     pub(crate) fn into_file(self) -> io::Result<SafeFile> {
         let Spool { mut file, then } = self;
         match then {
-            Then::Rename(beside, path) => Ok(SafeFile::Beside(file, beside, path)),
-            Then::Copy(mut stream) => {
+            FinalStep::Rename(beside, path) => Ok(SafeFile::Beside(file, beside, path)),
+            FinalStep::Copy(mut stream) => {
                 file.rewind().map_err(in_temporary_folder)?;
                 io::copy(file.get_mut(), &mut stream)?;
                 Ok(stream)
@@ -51,8 +51,8 @@ impl Spool {
 
     fn explained<T>(&self, result: io::Result<T>) -> io::Result<T> {
         match self.then {
-            Then::Rename(..) => result,
-            Then::Copy(_) => result.map_err(in_temporary_folder),
+            FinalStep::Rename(..) => result,
+            FinalStep::Copy(_) => result.map_err(in_temporary_folder),
         }
     }
 }

@@ -10,7 +10,7 @@ use sha2::{Digest, Sha256};
 
 use crate::tiles::SavedPixels;
 use flipmap_engine::EngineKind;
-use flipmap_scene::{Document, Word};
+use flipmap_scene::{Document, Setting};
 
 /// First bytes of every state file; the number is the format's.
 const MAGIC: &str = "flipmap state 2\n";
@@ -90,13 +90,16 @@ pub enum StateError {
 }
 
 /// Words of a scene that a resumed render has, too, with the name of what they describe.
-const MUST_BE_EQUAL: &[(&str, &[Word])] = &[
-    ("pendulum", &[Word::Kind, Word::Masses, Word::Lengths, Word::Gravity, Word::Friction]),
-    ("question", &[Word::Ask]),
-    ("number of flips", &[Word::Count]),
-    ("plane", &[Word::Plane, Word::Origin, Word::Energy]),
-    ("rule", &[Word::Rule]),
-    ("view", &[Word::Center, Word::Width, Word::Rotate, Word::Stretch]),
+const MUST_BE_EQUAL: &[(&str, &[Setting])] = &[
+    (
+        "pendulum",
+        &[Setting::Kind, Setting::Masses, Setting::Lengths, Setting::Gravity, Setting::Friction],
+    ),
+    ("question", &[Setting::Ask]),
+    ("number of flips", &[Setting::Count]),
+    ("plane", &[Setting::Plane, Setting::Origin, Setting::Energy]),
+    ("rule", &[Setting::Rule]),
+    ("view", &[Setting::Center, Setting::Width, Setting::Rotate, Setting::Stretch]),
 ];
 
 impl RenderState {
@@ -214,7 +217,9 @@ mod tests {
         state.check_scene(&later).unwrap();
         type Change = fn(&mut Document);
         let changes: [(&str, Change); 7] = [
-            ("question", |document| document.question.ask = flipmap_scene::question::Ask::First),
+            ("question", |document| {
+                document.question.ask = flipmap_scene::question::QuestionName::First
+            }),
             ("number of flips", |document| document.question.count = 2),
             ("pendulum", |document| document.pendulum.gravity = 1.0.into()),
             ("rule", |document| document.question.rule = flipmap_pendulum::Rule::First),

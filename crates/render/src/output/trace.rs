@@ -2,7 +2,7 @@
 //! double-double.
 
 use super::trace_channels::TraceChannels;
-use flipmap_numbers::{Dd, Scalar, Theta};
+use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::first_moments::FirstPass;
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::passes::{Pass, passes_in};
@@ -66,9 +66,9 @@ pub struct Trace {
 
 impl Trace {
     /// Releases a scene's pendulum, for rows from 0 to `until` with `every` between them, in s.
-    pub fn new(scene: &Scene, start: State<Theta>, [until, every]: [Dd; 2]) -> Self {
+    pub fn new(scene: &Scene, start: State<Exact>, [until, every]: [Dd; 2]) -> Self {
         let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
-        let (reduced, unit_secs) = scene.build.reduced_in::<Theta>();
+        let (reduced, unit_secs) = scene.build.reduced_in::<Exact>();
         let bobs = Rule::Either.watched();
         let moments = Opening::new(&reduced, bobs, f64::INFINITY).precise_first_moments(&State {
             speed: start.speed.map(|speed| speed * unit_secs),
@@ -81,7 +81,7 @@ impl Trace {
             anticlockwise: pass.anticlockwise,
         };
         let first = moments.passes.iter().map(pass).filter(|pass| pass.time <= until).collect();
-        let start = State { angle: moments.angle, speed: start.speed.map(Theta::to_dd) };
+        let start = State { angle: moments.angle, speed: start.speed.map(Exact::to_dd) };
         Trace {
             first: (first, Dd::new(moments.length) * unit_secs),
             channels: TraceChannels::new(scene, &start),
@@ -150,15 +150,15 @@ impl Trace {
 
 /// Reads a start, `θ1,θ2` or `θ1,θ2,ω1,ω2` in rad and rad/s, angles also as in `-95deg,0.5pi`; `None`
 /// unless these are numbers between -1e6 and 1e6.
-pub fn launch_from_text(text: &str) -> Option<State<Theta>> {
-    let numbers: Option<Vec<Theta>> =
-        text.split(',').map(|part| Theta::parse(&in_rad(part))).collect();
+pub fn launch_from_text(text: &str) -> Option<State<Exact>> {
+    let numbers: Option<Vec<Exact>> =
+        text.split(',').map(|part| Exact::parse(&in_rad(part))).collect();
     let numbers = numbers.filter(|all| all.iter().all(|number| number.to_f64().abs() <= 1e6))?;
     let (angle, speed) = match numbers[..] {
-        [theta1, theta2] => ([theta1, theta2], [Theta::ZERO; 2]),
+        [theta1, theta2] => ([theta1, theta2], [Exact::ZERO; 2]),
         [theta1, theta2, omega1, omega2] => ([theta1, theta2], [omega1, omega2]),
         _ => return None,
     };
-    let near = |theta: Theta| if theta.abs() <= Theta::pi() { theta } else { theta.wrapped() };
+    let near = |theta: Exact| if theta.abs() <= Exact::pi() { theta } else { theta.wrapped() };
     Some(State { angle: angle.map(near), speed })
 }

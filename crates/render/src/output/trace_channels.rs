@@ -9,11 +9,11 @@ use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::taylor::TaylorStep;
 use flipmap_pendulum::{Pendulum, State};
 use flipmap_scene::question::{Followed, Needs, TraceColumns};
-use flipmap_scene::{QuestionTable, Scene};
+use flipmap_scene::{QuestionSettings, Scene};
 
 /// A question's findings about a pendulum so far.
 pub(super) struct TraceChannels {
-    question: QuestionTable,
+    question: QuestionSettings,
     /// The pendulum in reduced units, and its unit of time in s.
     pendulum: Pendulum<f64>,
     unit_secs: f64,

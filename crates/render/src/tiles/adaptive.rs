@@ -45,16 +45,16 @@ pub(crate) struct PlainPixels {
 
 impl PlainPixels {
     /// Finds the plain pixels of a checked scene in `size` pixels and `colours`, whose `others` have more
-    /// samples; none once `go_on`, which takes the counts so far, returns false.
+    /// samples; none once `keep_going`, which takes the counts so far, returns false.
     pub(crate) fn find(
         renderer: &mut Renderer,
         (scene, cells): (&Scene, Cells),
         size: [u32; 2],
         (colours, others): (&AnswerColours, Sampling),
-        go_on: &dyn Fn(&Counts) -> bool,
+        keep_going: &dyn Fn(&Counts) -> bool,
     ) -> Result<Option<Self>, EngineError> {
         let mut work = renderer.work(scene, size).with_cells(cells);
-        let Some(samples) = preview(&mut work, size, renderer.engine(), go_on)? else {
+        let Some(samples) = preview(&mut work, size, renderer.engine(), keep_going)? else {
             return Ok(None);
         };
         let plain = PlainPixels::among(samples, size, colours, others);

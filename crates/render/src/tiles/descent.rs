@@ -10,7 +10,7 @@ use super::bands::Bands;
 use super::preview::preview;
 use super::{Samples, Work};
 use flipmap_engine::{Engine, EngineError, IntegratorConfig};
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::{Budget, Scene};
 
@@ -62,7 +62,7 @@ pub enum DescentStep {
     Scene(Box<Scene>),
     /// The end of the descent: no structure was found, or the next view would be too small.
     End,
-    /// The step was stopped because `go_on` returned false.
+    /// The step was stopped because `keep_going` returned false.
     Stopped,
 }
 
@@ -80,20 +80,20 @@ impl Descent {
         Descent { scene, turned, config, samples: None, wish, near: NEAR[0] }
     }
 
-    /// Returns the next view, which is smaller by half a decade; calls `go_on` now and then.
+    /// Returns the next view, which is smaller by half a decade; calls `keep_going` now and then.
     pub fn next(
         &mut self,
         engine: &mut dyn Engine,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<DescentStep, EngineError> {
         let samples = match self.samples.take() {
             Some(samples) => Some(samples),
-            None => self.picture(&self.scene, engine, go_on)?,
+            None => self.picture(&self.scene, engine, keep_going)?,
         };
         let Some(samples) = samples else { return Ok(DescentStep::Stopped) };
         for offset in self.lively_places(&self.scene, &samples) {
             let Some(scene) = self.enlarged(offset) else { break };
-            let Some(samples) = self.picture(&scene, engine, go_on)? else {
+            let Some(samples) = self.picture(&scene, engine, keep_going)? else {
                 return Ok(DescentStep::Stopped);
             };
             (self.wish, self.near) = ([0.0; 2], NEAR[1]);
@@ -106,15 +106,15 @@ impl Descent {
         Ok(DescentStep::End)
     }
 
-    /// Computes the small picture of a scene; none once `go_on` returns false.
+    /// Computes the small picture of a scene; none once `keep_going` returns false.
     fn picture(
         &self,
         scene: &Scene,
         engine: &mut dyn Engine,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<Option<Samples>, EngineError> {
         let mut work = Work::new(scene, [SIDE; 2], self.config, (SIDE * SIDE) as usize);
-        preview(&mut work, [SIDE; 2], engine, &|_| go_on())
+        preview(&mut work, [SIDE; 2], engine, &|_| keep_going())
     }
 
     /// Returns the scene around a place, in pixels from the middle; none if its view is too small.
@@ -123,7 +123,7 @@ impl Descent {
         let width = scene.view.width_rad().to_f64();
         let pixel = width / f64::from(SIDE);
         let center = scene.view.center_rad();
-        let by = offset.map(|by| Theta::from_f64(by * pixel));
+        let by = offset.map(|by| Exact::from_f64(by * pixel));
         let width = width / FACTOR;
         if width < flipmap_scene::MIN_WIDTH {
             return None;

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::reader::Reader;
 use flipmap_engine::trust::{Opinion, direct};
-use flipmap_engine::{Ends, Question};
+use flipmap_engine::{EventSpec, WantedEnd};
 use flipmap_pendulum::Status;
 use flipmap_scene::question::Channel;
 use flipmap_scene::{Grid, Scene};
@@ -20,7 +20,7 @@ pub(super) struct Answered {
 /// The comparison of a picture's answers with direct integration.
 pub(super) struct DirectCheck<'a> {
     grid: &'a Grid,
-    question: Question,
+    question: EventSpec,
     reader: Reader,
     channels: &'static [Channel],
     unit_secs: f64,
@@ -29,10 +29,10 @@ pub(super) struct DirectCheck<'a> {
 impl<'a> DirectCheck<'a> {
     /// The check of a scene's pixels; none for a question that is not answered directly.
     pub(super) fn new(scene: &Scene, grid: &'a Grid) -> Option<Self> {
-        let (ask, question) = (scene.question.ask, Question::from(scene));
+        let (ask, question) = (scene.question.ask, EventSpec::from(scene));
         let reader = Reader::new(ask, &question);
         let unit_secs = scene.build.unit_secs();
-        let is_answered = reader.ends() != Ends::Return && question.passes == 1;
+        let is_answered = reader.ends() != WantedEnd::Return && question.passes == 1;
         let channels = ask.kind().channels;
         is_answered.then_some(DirectCheck { grid, question, reader, channels, unit_secs })
     }
@@ -42,15 +42,15 @@ impl<'a> DirectCheck<'a> {
         direct::takes_long(&self.question, self.grid.pixel_rad())
     }
 
-    /// Integrates all these pixels directly; none once `go_on` returns false.
+    /// Integrates all these pixels directly; none once `keep_going` returns false.
     pub(super) fn opinion(
         &self,
         answers: &[Answered],
-        go_on: &(dyn Fn() -> bool + Sync),
+        keep_going: &(dyn Fn() -> bool + Sync),
     ) -> Option<Opinion> {
-        let contradicts = |answer: &&Answered| go_on() && self.contradicts(answer);
+        let contradicts = |answer: &&Answered| keep_going() && self.contradicts(answer);
         let contradicted = answers.par_iter().filter(contradicts).count();
-        go_on().then_some(Opinion { asked: answers.len(), contradicted })
+        keep_going().then_some(Opinion { asked: answers.len(), contradicted })
     }
 
     /// Returns true if the answer of a pixel is not that of direct integration.

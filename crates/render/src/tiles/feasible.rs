@@ -1,7 +1,7 @@
 //! Refusal of pictures that no engine can compute.
 
 use flipmap_engine::pace::Pace;
-use flipmap_engine::{Cells, EngineError, IntegratorConfig, Question};
+use flipmap_engine::{Cells, EngineError, EventSpec, IntegratorConfig};
 use flipmap_scene::{Grid, Scene};
 
 /// Returns an error if a picture of `size` pixels needs too many steps for its budget, or if its
@@ -28,7 +28,7 @@ pub fn check_feasible(
 
 /// Returns an error if a configuration needs too many steps for a scene's budget.
 pub fn check_steps(scene: &Scene, config: &IntegratorConfig) -> Result<(), EngineError> {
-    let question = Question::from(scene);
+    let question = EventSpec::from(scene);
     if question.build.gravity.value() > 0.0 {
         let pace = Pace::new(&question, config);
         pace.map_err(|error| EngineError::Unsupported(error.to_string()))?;

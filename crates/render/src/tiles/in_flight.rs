@@ -14,20 +14,20 @@ use super::open_tile::OpenTile;
 use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use flipmap_engine::{
-    Effort, Engine, EngineError, IntegratorConfig, IntegratorState, Job, JobResult, Keep, Question,
-    Starts, Wait,
+    Effort, Engine, EngineError, EventSpec, IntegratorConfig, IntegratorState, Job, JobResult,
+    Keep, Starts, Wait,
 };
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 
 /// A tile to compute, with the question and the integrator config of its job.
 pub(super) struct NextTile<T> {
     pub tile: T,
     pub open: OpenTile,
-    pub question: Question,
+    pub question: EventSpec,
     pub config: IntegratorConfig,
     /// True if states are returned, to be resumed.
     pub keeps_states: bool,
-    pub ask: Ask,
+    pub ask: QuestionName,
 }
 
 /// A supplier of tiles that takes back their samples.

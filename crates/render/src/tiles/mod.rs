@@ -5,7 +5,7 @@
 //! tiles into jobs, keeps the engine's slots full and hands tiles back as they finish. Pixels that
 //! energy forbids, or that a mirror image or an earlier run answers, never reach the engine.
 //!
-//! - [`Work`] (`work.rs`) computes a picture in bands of rows from the top, each a [`Tile`].
+//! - [`Work`] (`work.rs`) computes a picture in bands of rows from the top, each a tile.
 //!   [`PlainPixels`] spare most of several samples per pixel.
 //! - [`patch_work::PatchWork`] computes the [`patches`] of a film: cells of the lattice, each as
 //!   fine as the closest frame that shows it needs, in the order given.

@@ -7,14 +7,14 @@ use super::plan::plan;
 use super::reader::Reader;
 use super::samples::Samples;
 use flipmap_engine::{
-    Engine, EngineError, IntegratorConfig, Keep, Question, StartList, Starts, run_job,
+    Engine, EngineError, EventSpec, IntegratorConfig, Keep, StartList, Starts, run_job,
 };
 use flipmap_scene::film::{Film, FilmKind};
 use flipmap_scene::{Fate, Grid, Scene};
 
 /// The pendulums of a view in motion.
 pub struct Moments {
-    question: Question,
+    question: EventSpec,
     config: IntegratorConfig,
     reader: Reader,
     samples: Samples,
@@ -47,7 +47,7 @@ impl Moments {
         rows: Range<u32>,
     ) -> Self {
         let grid = Grid::new(scene, size);
-        let question = Question::from(scene);
+        let question = EventSpec::from(scene);
         let (ask, count) = (scene.question.ask, size[0] as usize * rows.len());
         let mut samples = Samples::unanswered(count, ask.kind().channels.len());
         let mut batches = Vec::new();
@@ -97,12 +97,12 @@ impl Moments {
     }
 
     /// Continues all pendulums until `at_secs`, which must not lie before the time they have
-    /// reached, and returns the answers there; none once `go_on` returns false.
+    /// reached, and returns the answers there; none once `keep_going` returns false.
     pub fn at(
         &mut self,
         engine: &mut dyn Engine,
         at_secs: f64,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<Option<&Samples>, EngineError> {
         assert!(at_secs >= self.reached_secs, "time goes on");
         self.reached_secs = at_secs;
@@ -112,7 +112,7 @@ impl Moments {
         for batch in &mut self.batches {
             let starts = std::mem::replace(&mut batch.starts, Starts::Rest(Vec::new()));
             let (question, config, thrown) = (self.question, self.config, starts.are_thrown());
-            let Some(result) = run_job(engine, question, config, starts, keep, go_on)? else {
+            let Some(result) = run_job(engine, question, config, starts, keep, keep_going)? else {
                 return Ok(None);
             };
             self.reader.fill(&result, &batch.places, &mut self.samples);

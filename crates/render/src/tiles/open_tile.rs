@@ -10,11 +10,11 @@ use super::samples::{RowMut, Samples};
 use super::saved_pixels::SavedPixel;
 use super::stride::Stride;
 use flipmap_engine::{
-    Cells, Deep, IntegratorConfig, IntegratorState, Leaf, StartList, Starts, Trust, Upright,
+    Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Separable, StartList, Starts, Trust,
 };
 use flipmap_pendulum::Outcome;
 use flipmap_scene::lattice::Cell;
-use flipmap_scene::{ExactPlane, Fate, Grid, Grouped, Scene, UprightGrid};
+use flipmap_scene::{ExactPlane, Fate, Grid, Grouped, Scene, SeparableGrid};
 
 /// A pixel of an earlier run, and the trust of its outcome.
 pub(super) type Known = (SavedPixel, Trust);
@@ -69,7 +69,7 @@ impl OpenTile {
             .map(|(row, mut samples)| open_runs(grid, &upright, tile, row as u32, &mut samples));
         let open: Vec<Vec<Range<u32>>> = open.collect::<Option<_>>()?;
         let places = joined(&open);
-        let starts = Upright { angles: upright.angles, places: places.clone() };
+        let starts = Separable { angles: upright.angles, places: places.clone() };
         Some(OpenTile { samples, places, starts: Starts::Upright(starts) })
     }
 
@@ -220,7 +220,7 @@ fn joined(rows: &[Vec<Range<u32>>]) -> Vec<u32> {
 /// none where a start has not the angles of its column and row.
 fn open_runs(
     grid: &Grid,
-    upright: &UprightGrid,
+    upright: &SeparableGrid,
     tile: &Tile,
     row: u32,
     samples: &mut RowMut,

@@ -7,7 +7,7 @@ use super::open_tile::OpenTile;
 use super::reader::Reader;
 use flipmap_engine::trust::{Opinion, TrustEngine};
 use flipmap_engine::{
-    Cells, Engine, EngineError, IntegratorConfig, Keep, Question, Starts, Trust, run_job,
+    Cells, Engine, EngineError, EventSpec, IntegratorConfig, Keep, Starts, Trust, run_job,
 };
 use flipmap_pendulum::Status;
 use flipmap_scene::{Grid, Scene};
@@ -19,13 +19,13 @@ const CANDIDATES: usize = 32;
 
 /// Integrates some pixels of a picture of `size` pixels directly, if start maps or first moments tell
 /// any of them. If one contradicts its answer, `engine` marks every pixel as uncertain from then on.
-/// Returns `None` for other pictures, or once `go_on` returns false.
+/// Returns `None` for other pictures, or once `keep_going` returns false.
 pub fn opinion(
     scene: &Scene,
     size: [u32; 2],
     (config, cells): (IntegratorConfig, Cells),
     engine: &mut TrustEngine<'_>,
-    go_on: &(dyn Fn() -> bool + Sync),
+    keep_going: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Opinion>, EngineError> {
     engine.distrust(false);
     let grid = Grid::new(scene, size);
@@ -42,7 +42,7 @@ pub fn opinion(
         return Ok(None);
     }
     let phase = |place: usize| grid.phase_at_first_pass(pixels[place][0], pixels[place][1]);
-    let Some(samples) = answers(scene, open, config, engine, &phase, go_on)? else {
+    let Some(samples) = answers(scene, open, config, engine, &phase, keep_going)? else {
         return Ok(None);
     };
     // In the pixels' order, which is random: leaves are not.
@@ -55,21 +55,21 @@ pub fn opinion(
         values: samples.values(place).to_vec(),
     };
     let asked: Vec<_> = told.into_iter().filter(is_sure).take(MOST).map(answered).collect();
-    let opinion = check.opinion(&asked, go_on);
+    let opinion = check.opinion(&asked, keep_going);
     engine.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
     Ok(opinion)
 }
 
-/// The samples of an open tile, computed as those of a picture are; `None` once `go_on` returns false.
+/// The samples of an open tile, computed as those of a picture are; `None` once `keep_going` returns false.
 fn answers(
     scene: &Scene,
     open: OpenTile,
     config: IntegratorConfig,
     engine: &mut dyn Engine,
     phase: &dyn Fn(usize) -> Option<flipmap_pendulum::phase::Phase<f64>>,
-    go_on: &(dyn Fn() -> bool + Sync),
+    keep_going: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Samples>, EngineError> {
-    let question = Question::from(scene);
+    let question = EventSpec::from(scene);
     let reader = Reader::new(scene.question.ask, &question);
     let OpenTile { samples, places, starts } = open;
     let mut samples = reader.complete(samples, phase);
@@ -77,7 +77,7 @@ fn answers(
         return Ok(Some(samples));
     }
     let keep = Keep { ends: reader.ends(), states: false };
-    let Some(result) = run_job(engine, question, config, starts, keep, &|| go_on())? else {
+    let Some(result) = run_job(engine, question, config, starts, keep, &|| keep_going())? else {
         return Ok(None);
     };
     reader.fill(&result, &places, &mut samples);
@@ -104,28 +104,28 @@ mod tests {
     use flipmap_engine::depth::DepthEngine;
     use flipmap_engine::depth::sabotage::Sabotage;
     use flipmap_engine::level::BALANCED;
-    use flipmap_scene::question::Ask;
-    use flipmap_scene::{Budget, QuestionTable, View};
+    use flipmap_scene::question::QuestionName;
+    use flipmap_scene::{Budget, QuestionSettings, View};
 
     const SIZE: [u32; 2] = [32, 32];
 
-    fn scene(center: [&str; 2], width: &str, ask: Ask, secs: f64) -> Scene {
+    fn scene(center: [&str; 2], width: &str, ask: QuestionName, secs: f64) -> Scene {
         let view =
             View { center: center.map(str::to_string), width: width.into(), ..View::default() };
         let question =
-            QuestionTable { ask, budget: Budget::secs(secs), ..QuestionTable::default() };
+            QuestionSettings { ask, budget: Budget::secs(secs), ..QuestionSettings::default() };
         Scene { view, question, ..Scene::default() }.checked().unwrap()
     }
 
     /// A view deep enough for neighbours to move far apart.
-    fn deep(ask: Ask, secs: f64) -> Scene {
+    fn deep(ask: QuestionName, secs: f64) -> Scene {
         let center = ["-1.65907312822246439054652000777423381805419921875", "0.1"];
         scene(center, "1e-9", ask, secs)
     }
 
     /// A view whose starts pass the top a little after their first moments.
     fn near_the_top() -> Scene {
-        scene(["0.62", "-3.1365"], "1e-9", Ask::Flip, 20.0)
+        scene(["0.62", "-3.1365"], "1e-9", QuestionName::Flip, 20.0)
     }
 
     fn engine(sabotage: Option<Sabotage>) -> DepthEngine<'static> {
@@ -142,7 +142,10 @@ mod tests {
         opinion(scene, SIZE, how, &mut engine, &|| true).unwrap().expect("deep")
     }
 
-    fn estimate(scene: &Scene, sabotage: Option<Sabotage>) -> flipmap_engine::trust::Outlook {
+    fn estimate(
+        scene: &Scene,
+        sabotage: Option<Sabotage>,
+    ) -> flipmap_engine::trust::AccuracyEstimate {
         let how = (BALANCED, Cells::Auto);
         outlook(scene, SIZE, how, &mut engine(sabotage), &|| true).unwrap().unwrap()
     }
@@ -151,7 +154,7 @@ mod tests {
 
     #[test]
     fn wrong_start_maps_are_contradicted_and_right_ones_are_not() {
-        let flips = deep(Ask::Flip, 40.0);
+        let flips = deep(QuestionName::Flip, 40.0);
         let all = MISTAKES.map(|mistake| (&flips, mistake));
         let top = near_the_top();
         for (scene, mistake) in all.into_iter().chain([(&top, Sabotage::BlindOpening)]) {
@@ -166,7 +169,7 @@ mod tests {
 
     #[test]
     fn the_estimate_of_unchecked_pictures_contradicts_wrong_start_maps() {
-        let flips = deep(Ask::Flip, 40.0);
+        let flips = deep(QuestionName::Flip, 40.0);
         let all = MISTAKES.map(|mistake| (&flips, mistake));
         let top = near_the_top();
         for (scene, mistake) in all.into_iter().chain([(&top, Sabotage::BlindOpening)]) {
@@ -180,7 +183,9 @@ mod tests {
 
     #[test]
     fn every_question_of_deep_views_can_be_contradicted() {
-        for (ask, secs) in [(Ask::First, 40.0), (Ask::State, 30.0), (Ask::Growth, 25.0)] {
+        for (ask, secs) in
+            [(QuestionName::First, 40.0), (QuestionName::State, 30.0), (QuestionName::Growth, 25.0)]
+        {
             let scene = deep(ask, secs);
             assert_eq!(opinion_on(&scene, None).contradicted, 0, "{ask}");
             let wrong = opinion_on(&scene, Some(Sabotage::WideLeaf));

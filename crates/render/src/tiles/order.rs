@@ -98,13 +98,13 @@ pub(super) fn leaf_pixels(finest: u32, target_level: u32, level: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_numbers::{Scalar, Theta};
+    use flipmap_numbers::{Exact, Scalar};
     use flipmap_scene::lattice::SIDE;
 
     #[test]
     fn finer_levels_have_the_same_leaves() {
         let target = 40;
-        let place = [2.2, -1.9].map(Theta::from_f64);
+        let place = [2.2, -1.9].map(Exact::from_f64);
         let leaf_level = |level: u32, finest| {
             let leaf = leaf_pixels(finest, target, level);
             Cell::around(place, level).leaves(SIDE, leaf)[0].0.level

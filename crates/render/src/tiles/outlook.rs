@@ -3,8 +3,8 @@
 use super::direct_check::{Answered, DirectCheck};
 use super::open_tile::OpenTile;
 use super::reader::Reader;
-use flipmap_engine::trust::{Opinion, Outlook};
-use flipmap_engine::{Cells, Engine, EngineError, IntegratorConfig, Question};
+use flipmap_engine::trust::{AccuracyEstimate, Opinion};
+use flipmap_engine::{Cells, Engine, EngineError, EventSpec, IntegratorConfig};
 use flipmap_pendulum::Status;
 use flipmap_scene::{Grid, Scene};
 
@@ -18,30 +18,33 @@ const TOGETHER: u32 = 16;
 /// where that takes seconds.
 const MAX_DIRECTLY: usize = 2;
 
-/// Returns the outlook of a picture of `size` pixels, or `None` once `go_on` returns false.
+/// Returns the outlook of a picture of `size` pixels, or `None` once `keep_going` returns false.
 pub fn outlook(
     scene: &Scene,
     size: [u32; 2],
     (config, cells): (IntegratorConfig, Cells),
     engine: &mut dyn Engine,
-    go_on: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Outlook>, EngineError> {
+    keep_going: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<AccuracyEstimate>, EngineError> {
     let grid = Grid::new(scene, size);
     let is_deep = grid.cell_plane().is_some() && cells.are_followed(&config, grid.pixel_rad());
     let together = if is_deep { TOGETHER } else { 1 };
     let pixels: Vec<[u32; 2]> = (0..SAMPLE).map(|place| pixel(size, place, together)).collect();
     let open = OpenTile::of_pixels(&grid, config, cells, &pixels, |_| None);
     if open.is_settled() {
-        return Ok(Some(Outlook::default()));
+        return Ok(Some(AccuracyEstimate::default()));
     }
-    let question = Question::from(scene);
+    let question = EventSpec::from(scene);
     let reader = Reader::new(scene.question.ask, &question);
     let how = (config, reader.ends());
-    let Some(sample) = Outlook::sample(engine, question, how, &open.starts, &|| go_on())? else {
+    let Some(sample) =
+        AccuracyEstimate::sample(engine, question, how, &open.starts, &|| keep_going())?
+    else {
         return Ok(None);
     };
     let beyond = sample.beyond.iter().filter(|beyond| **beyond).count();
-    let outlook = Outlook { sampled: sample.beyond.len(), beyond, opinion: Opinion::default() };
+    let outlook =
+        AccuracyEstimate { sampled: sample.beyond.len(), beyond, opinion: Opinion::default() };
     let Some(check) = DirectCheck::new(scene, &grid) else { return Ok(Some(outlook)) };
     let asked = (0..open.places.len()).filter_map(|k| {
         let [column, row] = pixels[open.places[k] as usize];
@@ -57,7 +60,7 @@ pub fn outlook(
     let most = if check.takes_long() { 1 } else { MAX_DIRECTLY };
     let apart = asked.len().div_ceil(most).max(1);
     let asked: Vec<_> = asked.into_iter().step_by(apart).collect();
-    Ok(check.opinion(&asked, go_on).map(|opinion| Outlook { opinion, ..outlook }))
+    Ok(check.opinion(&asked, keep_going).map(|opinion| AccuracyEstimate { opinion, ..outlook }))
 }
 
 /// Returns pixel `place` of a sequence whose groups of `together` neighbours fill a picture evenly,

@@ -8,10 +8,10 @@ use super::open_tile::{OpenTile, Spacing};
 use super::patches::{PATCH_SAMPLES, PATCH_SIDE};
 use super::samples::{Counts, Samples};
 use super::stride::Stride;
-use flipmap_engine::{Engine, EngineError, IntegratorConfig, Question, Wait};
+use flipmap_engine::{Engine, EngineError, EventSpec, IntegratorConfig, Wait};
 use flipmap_scene::Scene;
 use flipmap_scene::lattice::Cell;
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 
 /// Maximum number of patches in a job.
 const MAX_IN_JOB: usize = 1024;
@@ -19,7 +19,7 @@ const MAX_IN_JOB: usize = 1024;
 /// The computation of patches of one pendulum.
 pub(crate) struct PatchWork {
     scene: Scene,
-    question: Question,
+    question: EventSpec,
     config: IntegratorConfig,
     waiting: VecDeque<Cell>,
     in_flight: InFlightJobs<Vec<Cell>>,
@@ -36,7 +36,7 @@ impl PatchWork {
     ) -> Self {
         PatchWork {
             scene: scene.clone(),
-            question: Question::from(scene),
+            question: EventSpec::from(scene),
             config,
             waiting: cells.collect(),
             in_flight: InFlightJobs::default(),
@@ -96,7 +96,14 @@ impl TileSource for PatchWork {
         let spacing = Spacing { side: PATCH_SIDE, stride: Stride::ONE, leaf_pixels };
         let open = OpenTile::of_cells(&self.scene, self.config, &cells, spacing, |_, _| None);
         let (question, config) = (self.question, self.config);
-        Some(NextTile { tile: cells, open, question, config, keeps_states: false, ask: Ask::Flip })
+        Some(NextTile {
+            tile: cells,
+            open,
+            question,
+            config,
+            keeps_states: false,
+            ask: QuestionName::Flip,
+        })
     }
 
     fn take(&mut self, batch: FinishedBatch<Vec<Cell>>) {
@@ -134,7 +141,9 @@ mod tests {
                     let grid = cell.grid(&scene, PATCH_SIDE);
                     for place in 0..PATCH_SAMPLES as u32 {
                         let expected = match grid.fate(place % PATCH_SIDE, place / PATCH_SIDE) {
-                            Fate::Open(angle) => MockEngine::answer(&Question::from(&scene), angle),
+                            Fate::Open(angle) => {
+                                MockEngine::answer(&EventSpec::from(&scene), angle)
+                            }
                             Fate::Known(outcome) => outcome,
                             Fate::Thrown(_) | Fate::BesideTop(_) => unreachable!("at rest"),
                         };

@@ -125,8 +125,8 @@ pub(crate) fn canonical(patches: &[Cell]) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flipmap_numbers::Exact;
     use flipmap_numbers::Scalar;
-    use flipmap_numbers::Theta;
     use flipmap_scene::View;
 
     fn scene(center: [f64; 2], width: f64) -> Scene {
@@ -151,7 +151,7 @@ mod tests {
         for (across, above) in [(-0.49, -0.49), (0.3, 0.4), (0.001, 0.0), (0.49, -0.2)] {
             for (k, sight) in sights.iter().enumerate() {
                 let width = 6.0 * (1e-3f64 / 6.0).powf(k as f64 / 39.0);
-                let at = [-1.66 + across * width, 0.1 + above * width].map(Theta::from_f64);
+                let at = [-1.66 + across * width, 0.1 + above * width].map(Exact::from_f64);
                 let holds = |cell: &&Cell| Cell::around(at, cell.level) == **cell;
                 let patch = patches.iter().find(holds).expect("a patch");
                 assert!(patch_pitch_rad(patch.level) <= SLACK * sight.pitch_rad, "frame {k}");

@@ -5,20 +5,20 @@ use std::time::{Duration, Instant};
 use super::{Counts, FinishedTile, Samples, Work};
 use flipmap_engine::{Engine, EngineError};
 
-/// Longest wait for the engine before `go_on` is called again.
+/// Longest wait for the engine before `keep_going` is called again.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Returns the samples of a picture of `size` pixels, row by row from the top, or `None` once
-/// `go_on`, which takes the counts so far, returns false.
+/// `keep_going`, which takes the counts so far, returns false.
 pub fn preview(
     work: &mut Work,
     size: [u32; 2],
     engine: &mut dyn Engine,
-    go_on: &dyn Fn(&Counts) -> bool,
+    keep_going: &dyn Fn(&Counts) -> bool,
 ) -> Result<Option<Samples>, EngineError> {
     let mut all = Samples::unanswered((size[0] * size[1]) as usize, work.channels());
     while !work.is_done() {
-        if !go_on(&work.counts()) {
+        if !keep_going(&work.counts()) {
             engine.cancel();
             return Ok(None);
         }

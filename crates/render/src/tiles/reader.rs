@@ -3,16 +3,16 @@
 use rayon::prelude::*;
 
 use super::Samples;
-use flipmap_engine::{End, Ends, JobResult, Question};
+use flipmap_engine::{EventSpec, FinalState, JobResult, WantedEnd};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::transport::{transported, turns_between};
 use flipmap_pendulum::{Outcome, Pendulum, Status};
-use flipmap_scene::question::{Ask, Ending, MAX_CHANNELS, Needs};
+use flipmap_scene::question::{MAX_CHANNELS, Needs, QuestionInput, QuestionName};
 
 /// A reader of the answers to one question about one pendulum.
 #[derive(Clone, Copy, Debug)]
 pub struct Reader {
-    ask: Ask,
+    ask: QuestionName,
     /// The pendulum in reduced units, and its unit of time in s.
     pendulum: Pendulum<f64>,
     unit_secs: f64,
@@ -22,13 +22,13 @@ pub struct Reader {
 
 impl Reader {
     /// A reader of the answers to `ask` in results of jobs with this question.
-    pub fn new(ask: Ask, question: &Question) -> Self {
+    pub fn new(ask: QuestionName, question: &EventSpec) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         Reader { ask, pendulum, unit_secs, at: question.budget_secs / unit_secs }
     }
 
     /// The ends that jobs must return.
-    pub fn ends(&self) -> Ends {
+    pub fn ends(&self) -> WantedEnd {
         self.ask.kind().needs.into()
     }
 
@@ -46,12 +46,12 @@ impl Reader {
     }
 
     /// The same reader for answers at the end of another budget.
-    pub(super) fn at(self, question: &Question) -> Self {
+    pub(super) fn at(self, question: &EventSpec) -> Self {
         Reader { at: question.budget_secs / self.unit_secs, ..self }
     }
 
     /// The status of an answer and its channels.
-    pub fn read(&self, outcome: &Outcome, end: &End) -> (Status, [f64; MAX_CHANNELS]) {
+    pub fn read(&self, outcome: &Outcome, end: &FinalState) -> (Status, [f64; MAX_CHANNELS]) {
         let ends_at_a_time = self.ask.kind().at_a_time && outcome.status == Status::Unflipped;
         let (mut phase, mut gathered) = (end.phase, end.gathered);
         if ends_at_a_time {
@@ -63,8 +63,14 @@ impl Reader {
         let status = if ends_at_a_time && !never { Status::Answered } else { outcome.status };
         let Reader { pendulum, unit_secs, .. } = self;
         let secs = if ends_at_a_time { self.at } else { end.time } * unit_secs;
-        let ending =
-            Ending { pendulum, unit_secs: *unit_secs, outcome: *outcome, phase, secs, gathered };
+        let ending = QuestionInput {
+            pendulum,
+            unit_secs: *unit_secs,
+            outcome: *outcome,
+            phase,
+            secs,
+            gathered,
+        };
         (status, (self.ask.kind().read)(&ending))
     }
 
@@ -86,8 +92,8 @@ impl Reader {
                 all.set_values(index, outcome.status, &[]);
                 continue;
             }
-            let phase = phase(index).unwrap_or(End::NOWHERE.phase);
-            let end = End { phase, ..End::NOWHERE };
+            let phase = phase(index).unwrap_or(FinalState::NOWHERE.phase);
+            let end = FinalState { phase, ..FinalState::NOWHERE };
             let (status, values) = self.read(&outcome, &end);
             all.set_values(index, status, &values[..channels]);
         }

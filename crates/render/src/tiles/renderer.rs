@@ -98,12 +98,12 @@ impl Renderer {
         scene: &Scene,
         size: [u32; 2],
         cells: Cells,
-        go_on: &(dyn Fn() -> bool + Sync),
+        keep_going: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Opinion>, EngineError> {
         match &mut self.engine {
             MaybeChecked::Unchecked(_) => Ok(None),
             MaybeChecked::Checked(engine) => {
-                opinion(scene, size, (self.config, cells), engine, go_on)
+                opinion(scene, size, (self.config, cells), engine, keep_going)
             }
         }
     }
@@ -131,19 +131,19 @@ impl Renderer {
         Ok(samples.expect("it is never stopped"))
     }
 
-    /// The samples of a checked scene; `None` once `go_on`, which takes the counts so far, returns
+    /// The samples of a checked scene; `None` once `keep_going`, which takes the counts so far, returns
     /// false.
     pub fn render_while(
         &mut self,
         scene: &Scene,
         size: [u32; 2],
-        go_on: &(dyn Fn(&Counts) -> bool + Sync),
+        keep_going: &(dyn Fn(&Counts) -> bool + Sync),
     ) -> Result<Option<Samples>, EngineError> {
         let scene = &scene.clone().settled();
         check_feasible(scene, size, &self.config, Cells::Auto)?;
-        self.second_opinion(scene, size, Cells::Auto, &|| go_on(&Counts::default()))?;
+        self.second_opinion(scene, size, Cells::Auto, &|| keep_going(&Counts::default()))?;
         let mut work = self.work(scene, size);
-        let samples = preview(&mut work, size, self.engine(), go_on)?;
+        let samples = preview(&mut work, size, self.engine(), keep_going)?;
         self.counts = work.counts();
         Ok(samples)
     }

@@ -1,16 +1,16 @@
 //! The target of a window: the physics and the part of the plane in view.
 
-use flipmap_engine::{IntegratorConfig, Question};
+use flipmap_engine::{EventSpec, IntegratorConfig};
 use flipmap_scene::lattice::Region;
-use flipmap_scene::{Budget, Build, Plane, QuestionTable, Scene};
+use flipmap_scene::{Budget, PendulumSpec, Plane, QuestionSettings, Scene};
 
 /// All that decides a pixel's answer, except the start and the budget of a search for a flip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Physics {
     /// The pendulum.
-    pub build: Build,
+    pub build: PendulumSpec,
     /// The question; answers that a larger budget only adds to have the default budget here.
-    pub question: QuestionTable,
+    pub question: QuestionSettings,
     /// The plane of starts.
     pub plane: Plane,
     /// Integrator config of the pixels.
@@ -75,12 +75,12 @@ impl ViewTarget {
     /// lattice places the samples.
     pub(super) fn scene(&self) -> Scene {
         let Physics { build, question, ref plane, .. } = self.physics;
-        let question = QuestionTable { budget: Budget::secs(self.budget_secs), ..question };
+        let question = QuestionSettings { budget: Budget::secs(self.budget_secs), ..question };
         Scene { build, question, plane: plane.clone(), ..Scene::default() }
     }
 
     /// Returns the question to be answered for every pixel.
-    pub(super) fn question(&self) -> Question {
-        Question::from(&self.scene())
+    pub(super) fn question(&self) -> EventSpec {
+        EventSpec::from(&self.scene())
     }
 }

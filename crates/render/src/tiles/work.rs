@@ -12,9 +12,9 @@ use super::plan::{Tile, plan};
 use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
-use flipmap_engine::{Cells, Engine, EngineError, IntegratorConfig, Question, Trust, Wait};
+use flipmap_engine::{Cells, Engine, EngineError, EventSpec, IntegratorConfig, Trust, Wait};
 use flipmap_pendulum::Status;
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Grid, Sampling, Scene};
 
 /// A tile and the samples of its pixels, in the order of [`Tile::pixels`].
@@ -29,8 +29,8 @@ pub struct FinishedTile {
 /// The computation of a picture.
 pub struct Work {
     grid: Grid,
-    question: Question,
-    ask: Ask,
+    question: EventSpec,
+    ask: QuestionName,
     config: IntegratorConfig,
     cells: Cells,
     mirrored: bool,
@@ -93,7 +93,7 @@ impl Work {
         let tile_pixels = if is_deep { tile_pixels.max(leaves) } else { tile_pixels };
         Work {
             grid,
-            question: Question::from(scene),
+            question: EventSpec::from(scene),
             ask: scene.question.ask,
             config,
             cells: Cells::Auto,
@@ -338,10 +338,10 @@ mod tests {
         for y in 0..size[1] {
             for x in 0..size[0] {
                 let outcome = match grid.fate(x, y) {
-                    Fate::Open(angle) => MockEngine::answer(&Question::from(scene), angle),
+                    Fate::Open(angle) => MockEngine::answer(&EventSpec::from(scene), angle),
                     Fate::Known(outcome) => outcome,
                     Fate::BesideTop(moments) => {
-                        MockEngine::answer(&Question::from(scene), moments.angle)
+                        MockEngine::answer(&EventSpec::from(scene), moments.angle)
                     }
                     Fate::Thrown(_) => unreachable!("starts at rest"),
                 };

@@ -1,10 +1,10 @@
 //! Pendulums that are hard to integrate: whips, extreme ratios, weightless ones.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, apart, count, home, oracle_f64};
-use flipmap_engine::{EngineError, Question};
+use flipmap_engine::{EngineError, EventSpec};
 use flipmap_numbers::{Dd, Decimal};
 use flipmap_pendulum::{Pendulum, Rule, Status};
-use flipmap_scene::{Build, Kind};
+use flipmap_scene::{Kind, PendulumSpec};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {
@@ -33,7 +33,7 @@ pub(super) const CASES: &[HardCase] = &[
 ];
 
 /// Starts over the whole torus, off its lines of symmetry: `count` less the forbidden ones.
-pub(super) fn scattered(question: &Question, count: u32) -> Vec<[Dd; 2]> {
+pub(super) fn scattered(question: &EventSpec, count: u32) -> Vec<[Dd; 2]> {
     // A golden-ratio lattice.
     let at = |k: u32| {
         let place =
@@ -61,7 +61,7 @@ impl Tally {
     fn add(
         &mut self,
         bench: &mut HardBench,
-        question: &Question,
+        question: &EventSpec,
         lattice: u32,
     ) -> Result<(), EngineError> {
         let starts = scattered(question, lattice);
@@ -88,8 +88,8 @@ impl Tally {
     }
 }
 
-fn question(build: Build, budget_secs: f64) -> Question {
-    Question { build, rule: Rule::Second, budget_secs, passes: 1 }
+fn question(build: PendulumSpec, budget_secs: f64) -> EventSpec {
+    EventSpec { build, rule: Rule::Second, budget_secs, passes: 1 }
 }
 
 fn whips(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
@@ -100,7 +100,7 @@ fn whips(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         (Kind::Points, [0.02, 1.0], [0.1, 1.0]),
         (Kind::Rods, [1.0, 0.05], [1.0, 0.1]),
     ] {
-        let build = Build::new(kind, masses, lengths, 9.81);
+        let build = PendulumSpec::new(kind, masses, lengths, 9.81);
         tally.add(bench, &question(build, 5.0), 40)?;
     }
     let share = tally.right as f64 / tally.starts as f64;
@@ -112,7 +112,7 @@ fn ratios(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     for kind in [Kind::Points, Kind::Rods] {
         for masses in [[1.0, 1e-3], [1e-3, 1.0], [1.0, 1.0]] {
             for lengths in [[1.0, 1e-3], [1e-3, 1.0], [1.0, 1.0]] {
-                let build = Build::new(kind, masses, lengths, 9.81);
+                let build = PendulumSpec::new(kind, masses, lengths, 9.81);
                 // Light and short first rods leave few starts open, so more are tried.
                 let asked = question(build, 1.0);
                 let Pendulum { p, q, .. } = build.pendulum();
@@ -125,7 +125,8 @@ fn ratios(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
 }
 
 fn gravity(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
-    let pulled = |gravity| Build { gravity: Decimal::from(gravity), ..Build::default() };
+    let pulled =
+        |gravity| PendulumSpec { gravity: Decimal::from(gravity), ..PendulumSpec::default() };
     let none = scattered(&question(pulled(0.0), 1.0), 1000).len();
     let starts = scattered(&home(Rule::Second, 1.0), 200);
     let mut scaled = Vec::new();

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::tangent::spectrum;
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of, TAYLOR, apart, builds, home};
-use flipmap_engine::{EngineError, Question};
+use flipmap_engine::{EngineError, EventSpec};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Pendulum, Rule, Status};
-use flipmap_scene::{Build, Kind};
+use flipmap_scene::{Kind, PendulumSpec};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {
@@ -32,8 +32,8 @@ pub(super) const CASES: &[HardCase] = &[
 
 fn lyapunov(_: &mut HardBench) -> Result<HardFinding, EngineError> {
     let unit = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
-    let build = Build::new(Kind::Points, [1.0; 2], [1.0; 2], 1.0);
-    let asked = Question { build, rule: Rule::Second, budget_secs: 1.0, passes: 1 };
+    let build = PendulumSpec::new(Kind::Points, [1.0; 2], [1.0; 2], 1.0);
+    let asked = EventSpec { build, rule: Rule::Second, budget_secs: 1.0, passes: 1 };
     let long = spectrum(&unit, [2.0, 2.0], 500.0);
     let sum: f64 = long.iter().sum();
     let pair = long[0] + long[3];

@@ -2,7 +2,9 @@
 
 use super::{BALANCED, FAST, HardBench, HardCase, HardFinding, LESSON, Of, TAYLOR, home};
 use flipmap_engine::start::TIME;
-use flipmap_engine::{EngineError, IntegratorConfig, IntegratorState, Precision, Question, Starts};
+use flipmap_engine::{
+    EngineError, EventSpec, IntegratorConfig, IntegratorState, Precision, Starts,
+};
 use flipmap_numbers::trig::Turning;
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::embedded::{dop853, dopri5, plus};
@@ -135,7 +137,7 @@ fn turned_round(paused: &IntegratorState) -> IntegratorState {
 }
 
 /// Distance of `back` from a pendulum at reduced time `beyond` after its release at `start`.
-fn miss(question: &Question, start: &[Dd; 2], back: &IntegratorState, beyond: Dd) -> f64 {
+fn miss(question: &EventSpec, start: &[Dd; 2], back: &IntegratorState, beyond: Dd) -> f64 {
     let reduced = question.reduced_in::<Dd>().0;
     // From rest the motion is the same in both directions of time.
     let truth = Orbit::new(reduced, State::rest(*start)).state_at(beyond.abs());

@@ -19,12 +19,12 @@ use serde::Serialize;
 use super::truth::{oracle_dd, oracle_f64};
 pub use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_engine::{
-    Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Keep, Method, Precision,
-    Question, Starts, Wait,
+    Engine, EngineError, EngineKind, EventSpec, IntegratorConfig, Job, JobResult, Keep, Method,
+    Precision, Starts, Wait,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Rule, Status};
-use flipmap_scene::Build;
+use flipmap_scene::PendulumSpec;
 
 /// A claim and the function that tests it.
 #[derive(Clone, Copy)]
@@ -142,7 +142,7 @@ impl<'a> HardBench<'a> {
     /// The engine's answers, in the order of the starts.
     fn answers(
         &mut self,
-        question: &Question,
+        question: &EventSpec,
         config: IntegratorConfig,
         starts: &[[Dd; 2]],
     ) -> Result<Vec<Outcome>, EngineError> {
@@ -157,7 +157,7 @@ impl<'a> HardBench<'a> {
     /// Largest error of the exact configs' answers, s.
     fn worst(
         &mut self,
-        question: &Question,
+        question: &EventSpec,
         starts: &[[Dd; 2]],
         truth: &[Outcome],
     ) -> Result<f64, EngineError> {
@@ -171,7 +171,7 @@ impl<'a> HardBench<'a> {
     /// Runs one job to its end and keeps the states of unfinished pendulums.
     fn finished(
         &mut self,
-        question: &Question,
+        question: &EventSpec,
         config: IntegratorConfig,
         starts: Starts,
     ) -> Result<JobResult, EngineError> {
@@ -183,8 +183,8 @@ impl<'a> HardBench<'a> {
 }
 
 /// A question about the pendulum of the home map.
-fn home(rule: Rule, budget_secs: f64) -> Question {
-    Question { build: Build::default(), rule, budget_secs, passes: 1 }
+fn home(rule: Rule, budget_secs: f64) -> EventSpec {
+    EventSpec { build: PendulumSpec::default(), rule, budget_secs, passes: 1 }
 }
 
 /// Distance between two outcomes in seconds; infinite if their statuses differ.

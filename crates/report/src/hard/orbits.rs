@@ -1,11 +1,11 @@
 //! Hard cases of periodic orbits on the section θ1 = 0, which a computer-assisted proof encloses.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of};
-use flipmap_engine::{Ends, EngineError, Job, Keep, Question, Starts, Wait};
+use flipmap_engine::{EngineError, EventSpec, Job, Keep, Starts, Wait, WantedEnd};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::passes::{SectionReturn, section_return};
 use flipmap_pendulum::{Accumulators, Launch, Pendulum, Rule, State};
-use flipmap_scene::{Build, Kind, Plane, PlaneKind};
+use flipmap_scene::{Kind, PendulumSpec, Plane, PlaneKind};
 
 pub(super) const CASES: &[HardCase] = &[
     HardCase {
@@ -62,8 +62,8 @@ const ORBITS: [PeriodicOrbit; 3] = [
 ];
 
 /// The pendulum of the orbits.
-fn unit_build() -> Build {
-    Build::new(Kind::Points, [1.0; 2], [1.0; 2], 1.0)
+fn unit_build() -> PendulumSpec {
+    PendulumSpec::new(Kind::Points, [1.0; 2], [1.0; 2], 1.0)
 }
 
 impl PeriodicOrbit {
@@ -126,11 +126,11 @@ fn answers(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         else {
             return HardFinding::new(false, format!("{} has no start", orbit.energy));
         };
-        let [distance, time] = bench.ended(launch, 1.2 * period, Ends::Return)?.nearest;
+        let [distance, time] = bench.ended(launch, 1.2 * period, WantedEnd::Return)?.nearest;
         held &= distance < 1e-7 && (time - period).abs() < 1e-6;
         // Two budgets: what the first nudges lose until they point the way of growth cancels.
         let mut log_growth = |periods: f64| {
-            bench.ended(launch, periods * period, Ends::Growth).map(|end| end.log_growth)
+            bench.ended(launch, periods * period, WantedEnd::Growth).map(|end| end.log_growth)
         };
         let exponent = (log_growth(12.0)? - log_growth(4.0)?) / (8.0 * period);
         let expected = PeriodicOrbit::exponent(period, trace);
@@ -150,10 +150,10 @@ impl HardBench<'_> {
         &mut self,
         launch: Launch,
         budget_secs: f64,
-        ends: Ends,
+        ends: WantedEnd,
     ) -> Result<Accumulators, EngineError> {
         let rule = Rule::Neither;
-        let question = Question { build: unit_build(), rule, budget_secs, passes: 1 };
+        let question = EventSpec { build: unit_build(), rule, budget_secs, passes: 1 };
         let keep = Keep { ends, states: false };
         let starts = Starts::Thrown(vec![launch]);
         self.engine.submit(Job { id: 1, question, config: BALANCED, starts, keep })?;

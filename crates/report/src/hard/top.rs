@@ -3,7 +3,7 @@
 use super::{
     BALANCED, HardBench, HardCase, HardFinding, Of, apart, farthest, home, oracle_dd, oracle_f64,
 };
-use flipmap_engine::{EngineError, Question};
+use flipmap_engine::{EngineError, EventSpec};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Rule, State, Status, oracle};
 
@@ -82,8 +82,8 @@ fn grazing(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
 }
 
 /// θ2 at which the flip time jumps, to 1e-18 rad: bisected in f64 to 1e-9, then in double-double.
-fn tangent_start(question: &Question, theta1: f64, [low, high]: [f64; 2]) -> Dd {
-    type Judge = fn(&Question, &[[Dd; 2]]) -> Vec<Outcome>;
+fn tangent_start(question: &EventSpec, theta1: f64, [low, high]: [f64; 2]) -> Dd {
+    type Judge = fn(&EventSpec, &[[Dd; 2]]) -> Vec<Outcome>;
     let half = Dd::new(0.5);
     let narrow = |[mut low, mut high]: [Dd; 2], width: f64, judge: Judge| {
         let outcome = |theta2: Dd| judge(question, &[[Dd::new(theta1), theta2]])[0];
@@ -167,7 +167,7 @@ fn other_side(theta: Dd) -> Dd {
 }
 
 /// The starts as a grid gives them: a bob at the top is put on the side of its first motion.
-fn settled(question: &Question, starts: &[[Dd; 2]]) -> Vec<[Dd; 2]> {
+fn settled(question: &EventSpec, starts: &[[Dd; 2]]) -> Vec<[Dd; 2]> {
     let pendulum = question.build.pendulum_in();
     let settled = |start: &[Dd; 2]| oracle::settled(&pendulum, &State::rest(*start)).angle;
     starts.iter().map(settled).collect()

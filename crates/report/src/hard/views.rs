@@ -1,7 +1,7 @@
 //! Windows where coordinates go wrong: across the seam, and below the resolution of the numbers.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, LESSON, Of, apart, count};
-use flipmap_engine::{EngineError, Question};
+use flipmap_engine::{EngineError, EventSpec};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::{Fate, Grid, Scene, View};
@@ -36,7 +36,7 @@ fn window(center: [&str; 2], width: &str) -> Scene {
 
 /// Outcomes of all pixels, row by row from the top.
 fn picture(bench: &mut HardBench, scene: &Scene) -> Result<Vec<Outcome>, EngineError> {
-    let question = Question { budget_secs: 6.0, ..Question::from(scene) };
+    let question = EventSpec { budget_secs: 6.0, ..EventSpec::from(scene) };
     let grid = Grid::new(scene, [SIDE; 2]);
     let fates = (0..SIDE * SIDE).map(|k| grid.fate(k % SIDE, k / SIDE)).collect::<Vec<_>>();
     let open = |fate: &Fate| match fate {
@@ -82,7 +82,7 @@ fn seam(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
 fn staircase(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
     let scene = window(["2.1", "2.3"], "4e-15");
     let grid = Grid::new(&scene, [SIDE; 2]);
-    let question = Question::from(&scene);
+    let question = EventSpec::from(&scene);
     let starts: Vec<[Dd; 2]> =
         (0..SIDE * SIDE).map(|k| grid.angle_from_pixel(k % SIDE, k / SIDE)).collect();
     // Fixed steps run in angles: what f64 cannot hold of a start is lost before the first step.

@@ -3,13 +3,13 @@
 
 use super::referee::{MotionEnd, Referee};
 use super::start::start;
-use flipmap_engine::{End, Ends, Question};
-use flipmap_numbers::{Angle, Dd, Fixed, Scalar, Theta};
+use flipmap_engine::{EventSpec, FinalState, WantedEnd};
+use flipmap_numbers::{Angle, Dd, Exact, Fixed, Scalar};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
 use flipmap_render::tiles::reader::Reader;
-use flipmap_scene::question::{Ask, MAX_CHANNELS};
+use flipmap_scene::question::{MAX_CHANNELS, QuestionName};
 use flipmap_scene::{PlaneKind, Scene};
 
 /// Function that returns true when the referee should give up.
@@ -28,7 +28,7 @@ pub(super) enum RefereeVerdict {
 /// A scene whose pixels are judged.
 pub(super) struct Judged<'a> {
     scene: &'a Scene,
-    question: Question,
+    question: EventSpec,
     reader: Reader,
     side: u32,
     /// True if f64 cannot distinguish the pixels well enough to judge them.
@@ -46,7 +46,7 @@ const DECADES_A_UNIT: f64 = 0.16;
 impl<'a> Judged<'a> {
     /// A checked scene, in windows of `side` × `side` pixels.
     pub(super) fn new(scene: &'a Scene, side: u32) -> Self {
-        let question = Question::from(scene);
+        let question = EventSpec::from(scene);
         let reader = Reader::new(scene.question.ask, &question);
         let width = scene.view.width_rad().to_f64() / scene.view.stretch.max(1.0);
         Judged { scene, question, reader, side, deep: width < 1e-9 }
@@ -78,7 +78,7 @@ impl<'a> Judged<'a> {
             // Far fewer digits than the truth has, but a wrong answer is not confirmed by accident.
             let agrees =
                 |truth: Option<Answer>| truth.is_some_and(|truth| self.is_same(given, &truth, 0.2));
-            if self.reader.ends() != Ends::Growth
+            if self.reader.ends() != WantedEnd::Growth
                 && (agrees(self.truth::<f64>(&start, (8, 5e-14), give_up))
                     || agrees(self.truth::<Dd>(&start, (11, 1e-27), give_up)))
             {
@@ -99,7 +99,8 @@ impl<'a> Judged<'a> {
     fn is_same(&self, a: &Answer, b: &Answer, share: f64) -> bool {
         let kind = self.scene.question.ask.kind();
         // The nearest return may be one of two that are as near.
-        let count = if self.scene.question.ask == Ask::Return { 1 } else { kind.channels.len() };
+        let count =
+            if self.scene.question.ask == QuestionName::Return { 1 } else { kind.channels.len() };
         let unit_secs = self.scene.build.unit_secs();
         let mut channels = kind.channels[..count].iter().zip(a.1.iter().zip(b.1));
         a.0 == b.0
@@ -110,19 +111,19 @@ impl<'a> Judged<'a> {
     /// The answer to a start in a number type's digits, or `None` if it cannot be decided in them.
     fn truth<T: Scalar + Angle>(
         &self,
-        start: &State<Theta>,
+        start: &State<Exact>,
         digits: Digits,
         give_up: GiveUp,
     ) -> Option<Answer> {
         if self.is_forbidden(start) {
             return Some((Status::Forbidden, [0.0; MAX_CHANNELS]));
         }
-        let at_rest = start.speed == [Theta::ZERO; 2];
+        let at_rest = start.speed == [Exact::ZERO; 2];
         if at_rest && oracle::is_balanced(start.angle) && self.question.rule != Rule::Neither {
-            let end = End { time: 0.0, ..End::NOWHERE };
+            let end = FinalState { time: 0.0, ..FinalState::NOWHERE };
             return Some(self.reader.read(&Outcome::without_time(Status::Unflipped), &end));
         }
-        let (exact, unit_secs) = self.scene.build.reduced_in::<Theta>();
+        let (exact, unit_secs) = self.scene.build.reduced_in::<Exact>();
         let pendulum = exact.map(T::from_theta);
         let phase = phase_of(&exact, start, unit_secs).map(T::from_theta);
         let bobs = match self.question.rule {
@@ -131,7 +132,7 @@ impl<'a> Judged<'a> {
         };
         let passes =
             if self.question.rule == Rule::Neither { u32::MAX } else { self.question.passes };
-        let budget = Theta::from_f64(self.question.budget_secs) / unit_secs;
+        let budget = Exact::from_f64(self.question.budget_secs) / unit_secs;
         let referee = Referee {
             pendulum,
             bobs,
@@ -143,7 +144,7 @@ impl<'a> Judged<'a> {
         };
         let end = referee.end(&phase)?;
         let log_growth = match self.reader.ends() {
-            Ends::Growth => self.log_growth(&referee, start, &end)?,
+            WantedEnd::Growth => self.log_growth(&referee, start, &end)?,
             _ => 0.0,
         };
         Some(self.answer(&end, log_growth, unit_secs.to_f64()))
@@ -158,15 +159,16 @@ impl<'a> Judged<'a> {
             true => Outcome::flipped(time * unit_secs),
             false => Outcome::without_time(Status::Unflipped),
         };
-        let end = End { time, phase: end.phase.map(T::to_f64), gathered, ..End::NOWHERE };
+        let end =
+            FinalState { time, phase: end.phase.map(T::to_f64), gathered, ..FinalState::NOWHERE };
         self.reader.read(&outcome, &end)
     }
 
-    fn is_forbidden(&self, start: &State<Theta>) -> bool {
+    fn is_forbidden(&self, start: &State<Exact>) -> bool {
         let rule = self.question.rule;
-        let pendulum = self.scene.build.pendulum_in::<Theta>();
+        let pendulum = self.scene.build.pendulum_in::<Exact>();
         let energy = match self.scene.plane.kind {
-            PlaneKind::Section => Theta::from_f64(self.scene.plane.energy),
+            PlaneKind::Section => Exact::from_f64(self.scene.plane.energy),
             PlaneKind::Axes(_) => pendulum.energy(start),
         };
         rule != Rule::Neither && pendulum.forbids_depth(rule, -energy)
@@ -177,16 +179,16 @@ impl<'a> Judged<'a> {
     fn log_growth<T: Scalar + Angle>(
         &self,
         referee: &Referee<T>,
-        start: &State<Theta>,
+        start: &State<Exact>,
         end: &MotionEnd<T>,
     ) -> Option<f64> {
-        let (exact, unit_secs) = self.scene.build.reduced_in::<Theta>();
+        let (exact, unit_secs) = self.scene.build.reduced_in::<Exact>();
         let units = self.question.budget_secs / unit_secs.to_f64();
         let exponent = (DECADES_A_UNIT * units).ceil() + 8.0;
         if 10f64.powf(-exponent) < 1e4 * referee.tolerance {
             return None;
         }
-        let by = Theta::parse(&format!("1e-{exponent}"))?;
+        let by = Exact::parse(&format!("1e-{exponent}"))?;
         let plain = Referee { bobs: &[], give_up: referee.give_up, ..*referee };
         let column = |k: usize| {
             let mut moved = *start;
@@ -220,7 +222,7 @@ fn difference<T: Scalar>(
 
 /// Unit vectors and momenta of a start, reduced. Beside the top, the distance from there has more digits
 /// than the angle.
-fn phase_of(pendulum: &Pendulum<Theta>, start: &State<Theta>, unit_secs: Theta) -> Phase<Theta> {
+fn phase_of(pendulum: &Pendulum<Exact>, start: &State<Exact>, unit_secs: Exact) -> Phase<Exact> {
     let vectors = start.angle.map(|angle| {
         let (sin, cos) = from_top(angle).sin_cos();
         [-cos, -sin]
@@ -239,7 +241,7 @@ mod tests {
     const SIDE: u32 = 4;
 
     /// A scene around (−2, 3), 10⁻³ rad wide, with another question.
-    fn asked(ask: Ask) -> Scene {
+    fn asked(ask: QuestionName) -> Scene {
         let mut scene = Scene::default();
         scene.view.center = ["-2".into(), "3".into()];
         scene.view.width = "1e-3".into();
@@ -250,7 +252,7 @@ mod tests {
 
     #[test]
     fn every_channel_of_every_question_can_be_wrong() {
-        for ask in Ask::ALL {
+        for ask in QuestionName::ALL {
             let (kind, scene) = (ask.kind(), asked(ask));
             let judged = Judged::new(&scene, SIDE);
             let start = start(&scene, SIDE, [1, 2]).unwrap();
@@ -258,7 +260,7 @@ mod tests {
             assert_eq!(truth.0, Status::Answered, "{}", kind.name);
             assert!(judged.is_same(&truth, &truth, 1.0), "{}", kind.name);
             assert!(!judged.is_same(&(Status::Unflipped, truth.1), &truth, 1.0), "{}", kind.name);
-            let count = if ask == Ask::Return { 1 } else { kind.channels.len() };
+            let count = if ask == QuestionName::Return { 1 } else { kind.channels.len() };
             for (k, channel) in kind.channels[..count].iter().enumerate() {
                 let mut moved = truth;
                 moved.1[k] += 2.0 * channel.right * truth.1[k].abs().max(1.0) + 1e-3;

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
-use flipmap_engine::{Accuracy, Cells, Ends, EngineKind, IntegratorConfig, Method, Precision};
+use flipmap_engine::{Accuracy, Cells, EngineKind, IntegratorConfig, Method, Precision, WantedEnd};
 use flipmap_render::tiles::Renderer;
 
 /// A way to compute a window.
@@ -84,7 +84,7 @@ impl Renderers {
     pub(super) fn of(
         &mut self,
         how: &How,
-        ends: Ends,
+        ends: WantedEnd,
     ) -> Result<Option<&mut Renderer>, ChoiceError> {
         let setting = match how.config {
             Some(config) => IntegrationSetting::Explicit(config),

@@ -22,13 +22,13 @@ use self::scenes::Scenes;
 use super::{ReportError, StopTest};
 use flipmap_engine::choice::{Chosen, EngineRequest, choose};
 use flipmap_engine::plain_file::read_text;
-use flipmap_engine::{Ends, Engine, EngineError, IntegratorConfig, Trust};
-use flipmap_numbers::{Scalar, Theta};
+use flipmap_engine::{Engine, EngineError, IntegratorConfig, Trust, WantedEnd};
+use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::Status;
 use flipmap_render::tiles::preview::preview;
 use flipmap_render::tiles::{Samples, Work, check_feasible};
-use flipmap_scene::question::{Ask, MAX_CHANNELS};
-use flipmap_scene::{PlaneKind, Scene, View, Word};
+use flipmap_scene::question::{MAX_CHANNELS, QuestionName};
+use flipmap_scene::{PlaneKind, Scene, Setting, View};
 
 /// Pixels along each side of a window.
 const SIDE: u32 = 32;
@@ -127,15 +127,15 @@ impl Hunt {
         let Chosen { mut engine, config, .. } = choose(request, &|_| {})?;
         let mut renderers = Renderers::new(request);
         while Instant::now() < until && hunt.windows < most_windows && !stop() {
-            let go_on = || !stop();
-            let (scene, lure) = scenes.next(engine.as_mut(), config, &go_on)?;
+            let keep_going = || !stop();
+            let (scene, lure) = scenes.next(engine.as_mut(), config, &keep_going)?;
             let (how, picks) = (scenes.how(request.kind), scenes.seed());
             // A scene drawn out of range is skipped.
             let Ok(scene) = scene.checked() else { continue };
             let window = Window { scene, how, lure: format!("{lure:?}") };
             log::debug!("{lure:?}: {}", window.command());
             let begun = Instant::now();
-            let in_time = || go_on() && begun.elapsed() < RENDER_PATIENCE;
+            let in_time = || keep_going() && begun.elapsed() < RENDER_PATIENCE;
             match window.rendered(&mut renderers, &in_time)? {
                 Rendering::Done(samples) => {
                     log::debug!("judging");
@@ -159,7 +159,7 @@ impl Hunt {
         fastrand::Rng::with_seed(picks).shuffle(&mut places);
         let (marked, mut unmarked): (Vec<usize>, Vec<usize>) =
             places.into_iter().partition(is_marked);
-        if jury.judged.deep || window.ends() == Ends::Growth {
+        if jury.judged.deep || window.ends() == WantedEnd::Growth {
             unmarked.truncate(SAMPLE);
         }
         let verdicts = jury.verdicts(&unmarked);
@@ -224,7 +224,7 @@ enum Rendering {
 }
 
 impl Window {
-    fn ends(&self) -> Ends {
+    fn ends(&self) -> WantedEnd {
         self.scene.question.ask.kind().needs.into()
     }
 
@@ -232,7 +232,7 @@ impl Window {
     fn rendered(
         &self,
         renderers: &mut Renderers,
-        go_on: &(dyn Fn() -> bool + Sync),
+        keep_going: &(dyn Fn() -> bool + Sync),
     ) -> Result<Rendering, ReportError> {
         let Some(renderer) = renderers.of(&self.how, self.ends())? else {
             return Ok(Rendering::Refused);
@@ -241,9 +241,9 @@ impl Window {
         if check_feasible(scene, size, &renderer.config(), cells).is_err() {
             return Ok(Rendering::Refused);
         }
-        renderer.second_opinion(scene, size, cells, go_on)?;
+        renderer.second_opinion(scene, size, cells, keep_going)?;
         let mut work = renderer.work(scene, size).with_cells(cells);
-        let samples = preview(&mut work, size, renderer.engine(), &|_| go_on())?;
+        let samples = preview(&mut work, size, renderer.engine(), &|_| keep_going())?;
         Ok(samples.map_or(Rendering::Late, Rendering::Done))
     }
 
@@ -251,14 +251,14 @@ impl Window {
     fn command(&self) -> String {
         let scene = &self.scene;
         let is_section = scene.plane.kind == PlaneKind::Section;
-        let has_effect = |word: Word| match word {
-            Word::Rule | Word::Count => scene.question.ask == Ask::Flip,
-            Word::At => scene.question.at.is_some(),
-            Word::Energy => is_section,
-            Word::Origin => !is_section,
+        let has_effect = |word: Setting| match word {
+            Setting::Rule | Setting::Count => scene.question.ask == QuestionName::Flip,
+            Setting::At => scene.question.at.is_some(),
+            Setting::Energy => is_section,
+            Setting::Origin => !is_section,
             _ => true,
         };
-        let words = Word::ALL.iter().filter(|(_, word)| has_effect(*word));
+        let words = Setting::ALL.iter().filter(|(_, word)| has_effect(*word));
         let options: Vec<String> =
             words.map(|(setting, word)| format!("--{setting}={}", word.text(scene))).collect();
         let (how, options) = (self.how.options(), options.join(" "));
@@ -339,7 +339,7 @@ fn edge(
     let by = width * ((place as f64 + 1.0) / f64::from(ALONG) - 0.5);
     let digits = (14.0 - width.log10()).ceil().max(12.0) as usize;
     let [across, above] = scene.view.center_rad();
-    let center = [across + Theta::from_f64(by), above].map(|theta| theta.decimal(digits));
+    let center = [across + Exact::from_f64(by), above].map(|theta| theta.decimal(digits));
     let view = View { center, width: format!("{:.2e}", width / 8.0), ..scene.view.clone() };
     Ok(Some(Scene { view, ..scene.clone() }))
 }

@@ -4,11 +4,11 @@
 
 use super::how::How;
 use flipmap_engine::{Engine, EngineError, EngineKind, IntegratorConfig};
-use flipmap_numbers::{Angle, Decimal, Scalar, Theta};
+use flipmap_numbers::{Angle, Decimal, Exact, Scalar};
 use flipmap_pendulum::Rule;
 use flipmap_render::tiles::descent::{Descent, DescentStep};
-use flipmap_scene::question::Ask;
-use flipmap_scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
+use flipmap_scene::question::QuestionName;
+use flipmap_scene::{Axis, Budget, Kind, PendulumSpec, Plane, PlaneKind, QuestionSettings, Scene};
 
 /// Generator of random scenes, the same ones for the same seed.
 pub(super) struct Scenes {
@@ -17,7 +17,7 @@ pub(super) struct Scenes {
 
 /// The kind of place at which a view is put.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Lure {
+pub(super) enum TargetRegion {
     /// Any place.
     Anywhere,
     /// A place where an angle is ±π.
@@ -55,7 +55,7 @@ impl Scenes {
         format!("{value:.*e}", digits - 1).parse().unwrap_or(value)
     }
 
-    fn build(&mut self) -> Build {
+    fn build(&mut self) -> PendulumSpec {
         let kind = self.random.choice([Kind::Points, Kind::Rods]).unwrap_or_default();
         let spread = self.random.choice([0.0, 0.5, 1.5, 3.0]).unwrap_or_default();
         let mut four = [1.0; 4];
@@ -69,10 +69,10 @@ impl Scenes {
             _ => 1024.0,
         };
         let build = match self.random.u8(0..3) {
-            0 => Build { kind, ..Build::default() },
-            _ => Build::new(kind, [m1, m2], [l1, l2], gravity),
+            0 => PendulumSpec { kind, ..PendulumSpec::default() },
+            _ => PendulumSpec::new(kind, [m1, m2], [l1, l2], gravity),
         };
-        Build { friction: self.friction(), ..build }
+        PendulumSpec { friction: self.friction(), ..build }
     }
 
     /// Friction at both pivots, at one of them, or, most often, at none.
@@ -90,25 +90,26 @@ impl Scenes {
     }
 
     /// The question, of which most are first flips.
-    fn question(&mut self, secs: f64) -> QuestionTable {
+    fn question(&mut self, secs: f64) -> QuestionSettings {
         let rule = self.random.choice(Rule::ALL.map(|(_, rule)| rule)).unwrap_or_default();
-        let plain = QuestionTable { budget: Budget::secs(secs), ..QuestionTable::default() };
+        let plain = QuestionSettings { budget: Budget::secs(secs), ..QuestionSettings::default() };
         match self.random.u8(0..10) {
-            0..5 => QuestionTable { rule, ..plain },
-            5 => QuestionTable { rule, count: self.random.u32(2..=MAX_COUNT), ..plain },
-            6 => QuestionTable { ask: Ask::First, ..plain },
-            7 => QuestionTable { ask: Ask::Flips, ..plain },
-            8 => QuestionTable { ask: Ask::State, ..plain },
+            0..5 => QuestionSettings { rule, ..plain },
+            5 => QuestionSettings { rule, count: self.random.u32(2..=MAX_COUNT), ..plain },
+            6 => QuestionSettings { ask: QuestionName::First, ..plain },
+            7 => QuestionSettings { ask: QuestionName::Flips, ..plain },
+            8 => QuestionSettings { ask: QuestionName::State, ..plain },
             _ => {
-                let ask = if self.random.bool() { Ask::Growth } else { Ask::Return };
+                let ask =
+                    if self.random.bool() { QuestionName::Growth } else { QuestionName::Return };
                 // The referee follows nine orbits in many digits for growth.
-                QuestionTable { ask, budget: Budget::secs(secs.min(40.0)), ..plain }
+                QuestionSettings { ask, budget: Budget::secs(secs.min(40.0)), ..plain }
             }
         }
     }
 
     /// The plane, which is most often that of both angles.
-    fn plane(&mut self, build: &Build) -> Plane {
+    fn plane(&mut self, build: &PendulumSpec) -> Plane {
         if self.random.u8(0..10) < 6 {
             return Plane::default();
         }
@@ -131,7 +132,7 @@ impl Scenes {
     }
 
     /// An energy of a section: at or beside one at which a bob just reaches the top, or any.
-    fn energy(&mut self, build: &Build) -> f64 {
+    fn energy(&mut self, build: &PendulumSpec) -> f64 {
         let pendulum = build.pendulum();
         let (p, q) = (pendulum.p, pendulum.q);
         let critical = self.random.choice([q - p, p - q, p + q]).unwrap_or(p);
@@ -150,8 +151,8 @@ impl Scenes {
         &mut self,
         engine: &mut dyn Engine,
         config: IntegratorConfig,
-        go_on: &dyn Fn() -> bool,
-    ) -> Result<(Scene, Lure), EngineError> {
+        keep_going: &dyn Fn() -> bool,
+    ) -> Result<(Scene, TargetRegion), EngineError> {
         let build = self.build();
         let units = self.magnitude(0.0, 300f64.log10());
         let secs = Self::round(units * build.unit_secs(), 3).clamp(1e-9, 1e6);
@@ -163,8 +164,8 @@ impl Scenes {
         // A descent and an edge are followed upright.
         let looks = (scene.view.rotate, scene.view.stretch);
         match lure {
-            Lure::Filament => self.follow(&mut scene, engine, config, go_on)?,
-            Lure::Edge => self.follow_edge(&mut scene, engine, config, go_on)?,
+            TargetRegion::Filament => self.follow(&mut scene, engine, config, keep_going)?,
+            TargetRegion::Edge => self.follow_edge(&mut scene, engine, config, keep_going)?,
             _ => {}
         }
         (scene.view.rotate, scene.view.stretch) = looks;
@@ -172,13 +173,13 @@ impl Scenes {
     }
 
     /// A kind of place that a scene has.
-    fn lure(&mut self, scene: &Scene) -> Lure {
-        let anywhere = [Lure::Anywhere, Lure::BesideTop, Lure::BesideTop];
-        let of_flips = [Lure::Edge, Lure::Edge];
-        let at_rest = [Lure::Seam, Lure::Equilibrium, Lure::EnergyCurve];
-        let filaments = [Lure::Filament, Lure::Filament];
+    fn lure(&mut self, scene: &Scene) -> TargetRegion {
+        let anywhere = [TargetRegion::Anywhere, TargetRegion::BesideTop, TargetRegion::BesideTop];
+        let of_flips = [TargetRegion::Edge, TargetRegion::Edge];
+        let at_rest = [TargetRegion::Seam, TargetRegion::Equilibrium, TargetRegion::EnergyCurve];
+        let filaments = [TargetRegion::Filament, TargetRegion::Filament];
         let mut all = anywhere.to_vec();
-        if scene.question.ask == Ask::Flip && scene.question.count == 1 {
+        if scene.question.ask == QuestionName::Flip && scene.question.count == 1 {
             all.extend(of_flips);
         }
         if scene.plane.is_at_rest() {
@@ -187,7 +188,7 @@ impl Scenes {
         if scene.is_flip_from_rest() {
             all.extend(filaments);
         }
-        self.random.choice(all).unwrap_or(Lure::Anywhere)
+        self.random.choice(all).unwrap_or(TargetRegion::Anywhere)
     }
 
     /// A way to compute the next window.
@@ -196,8 +197,8 @@ impl Scenes {
     }
 
     /// Puts the view at a place of the lure's kind, with a random width, rotation and stretch.
-    fn look(&mut self, scene: &mut Scene, lure: Lure) {
-        let pi = Theta::pi();
+    fn look(&mut self, scene: &mut Scene, lure: TargetRegion) {
+        let pi = Exact::pi();
         let mut center = self.anywhere(scene);
         let mut width = match self.random.u8(0..3) {
             0 => self.magnitude(-3.0, 1.0),
@@ -205,23 +206,23 @@ impl Scenes {
             _ => self.magnitude(-40.0, -12.0),
         };
         match lure {
-            Lure::Anywhere => width = width.max(self.magnitude(-12.0, 1.0)),
-            Lure::Seam => {
+            TargetRegion::Anywhere => width = width.max(self.magnitude(-12.0, 1.0)),
+            TargetRegion::Seam => {
                 let axis = usize::from(self.random.bool());
                 center[axis] = pi + self.off(width);
             }
-            Lure::Equilibrium => {
+            TargetRegion::Equilibrium => {
                 for theta in &mut center {
                     let quarters = f64::from(self.random.i8(-1..=2));
-                    *theta = pi.halved(1) * Theta::from_f64(quarters) + self.off(width);
+                    *theta = pi.halved(1) * Exact::from_f64(quarters) + self.off(width);
                 }
             }
-            Lure::EnergyCurve => self.on_curve(scene, &mut center),
-            Lure::Filament | Lure::Edge => width = self.magnitude(-2.0, 0.8),
-            Lure::BesideTop => self.beside_top(scene, &mut center),
+            TargetRegion::EnergyCurve => self.on_curve(scene, &mut center),
+            TargetRegion::Filament | TargetRegion::Edge => width = self.magnitude(-2.0, 0.8),
+            TargetRegion::BesideTop => self.beside_top(scene, &mut center),
         }
         let mut digits = (12.0 - width.log10()).ceil().max(12.0) as usize;
-        if lure == Lure::BesideTop {
+        if lure == TargetRegion::BesideTop {
             digits = digits.max(60);
         }
         scene.view.center = center.map(|x| x.decimal(digits));
@@ -235,7 +236,7 @@ impl Scenes {
     }
 
     /// Any place of a plane, in the units of its axes.
-    fn anywhere(&mut self, scene: &Scene) -> [Theta; 2] {
+    fn anywhere(&mut self, scene: &Scene) -> [Exact; 2] {
         let unit_secs = scene.build.unit_secs();
         let pendulum = scene.build.pendulum();
         scene.plane.axes().map(|axis| {
@@ -248,16 +249,16 @@ impl Scenes {
                     share * (2.0 * pendulum.b * kinetic.max(0.0)).sqrt()
                 }
             };
-            Theta::from_f64(Self::round(value, 6))
+            Exact::from_f64(Self::round(value, 6))
         })
     }
 
     /// Puts a bob at the top or beside it, by the view's centre or by the plane's origin.
-    fn beside_top(&mut self, scene: &mut Scene, center: &mut [Theta; 2]) {
-        let far = Theta::parse(&format!("{:e}", self.magnitude(NEAREST_TOP, -1.0)));
-        let far = far.unwrap_or(Theta::ZERO);
-        let off = self.random.choice([Theta::ZERO, far, -far]).unwrap_or_default();
-        let top = (Theta::pi() + off).wrapped();
+    fn beside_top(&mut self, scene: &mut Scene, center: &mut [Exact; 2]) {
+        let far = Exact::parse(&format!("{:e}", self.magnitude(NEAREST_TOP, -1.0)));
+        let far = far.unwrap_or(Exact::ZERO);
+        let off = self.random.choice([Exact::ZERO, far, -far]).unwrap_or_default();
+        let top = (Exact::pi() + off).wrapped();
         let axis = self.random.choice([Axis::Theta1, Axis::Theta2]).unwrap_or(Axis::Theta2);
         match scene.plane.axes().iter().position(|other| *other == axis) {
             Some(place) => center[place] = top,
@@ -274,22 +275,22 @@ impl Scenes {
     }
 
     /// A small angle: zero, or a random distance that a view of this width may or may not show.
-    fn off(&mut self, width: f64) -> Theta {
+    fn off(&mut self, width: f64) -> Exact {
         let far = width * self.magnitude(-6.0, 0.0);
         let off = self.random.choice([0.0, far, -far]).unwrap_or_default();
-        Theta::from_f64(off)
+        Exact::from_f64(off)
     }
 
     /// Moves θ2 onto the curve of just enough energy, if that exists at this θ1.
-    fn on_curve(&mut self, scene: &Scene, center: &mut [Theta; 2]) {
-        let (pendulum, _) = scene.build.reduced_in::<Theta>();
+    fn on_curve(&mut self, scene: &Scene, center: &mut [Exact; 2]) {
+        let (pendulum, _) = scene.build.reduced_in::<Exact>();
         let least = pendulum.least_depth(scene.question.rule);
         let cos = (least - pendulum.p * center[0].sin_cos().1) / pendulum.q;
         if cos.to_f64().abs() >= 1.0 {
             return;
         }
         // Newton's method on cos θ2, from the nearest f64.
-        let mut theta = Theta::from_f64(cos.to_f64().acos());
+        let mut theta = Exact::from_f64(cos.to_f64().acos());
         for _ in 0..5 {
             let (sin, now) = theta.sin_cos();
             if sin.to_f64().abs() < 1e-3 {
@@ -306,14 +307,14 @@ impl Scenes {
         scene: &mut Scene,
         engine: &mut dyn Engine,
         config: IntegratorConfig,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<(), EngineError> {
         let least = self.magnitude(-30.0, -1.0);
         let budget = scene.question.budget;
         let target = [self.random.f64() - 0.5, self.random.f64() - 0.5];
         let mut descent = Descent::new(scene.clone(), config, target);
         while scene.view.width_rad().to_f64() > least {
-            match descent.next(engine, go_on)? {
+            match descent.next(engine, keep_going)? {
                 DescentStep::Scene(next) => *scene = *next,
                 DescentStep::End | DescentStep::Stopped => break,
             }
@@ -331,13 +332,13 @@ impl Scenes {
         scene: &mut Scene,
         engine: &mut dyn Engine,
         config: IntegratorConfig,
-        go_on: &dyn Fn() -> bool,
+        keep_going: &dyn Fn() -> bool,
     ) -> Result<(), EngineError> {
         let least = self.magnitude(-25.0, -6.0);
         let unit = scene.build.unit_secs();
         (scene.view.rotate, scene.view.stretch) = (0.0, 1.0);
         scene.view.width = format!("{:.2e}", scene.view.width_rad().to_f64().min(0.5));
-        while scene.view.width_rad().to_f64() > least && go_on() {
+        while scene.view.width_rad().to_f64() > least && keep_going() {
             let Some(next) = super::edge(scene, engine, config, unit)? else { break };
             *scene = next;
         }

@@ -1,7 +1,7 @@
 //! Outcomes of pixels that are known before any step is taken.
 
 use super::Grid;
-use flipmap_numbers::{Dd, Scalar, Theta};
+use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::first_moments::{FirstMoments, FirstPass};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::phase::Phase;
@@ -62,7 +62,7 @@ impl Grid {
         {
             return Fate::Known(self.outcome_of(pass));
         }
-        let is_balanced = |start: State<Theta>| oracle::is_balanced(start.angle);
+        let is_balanced = |start: State<Exact>| oracle::is_balanced(start.angle);
         if self.rule != Rule::Neither
             && moments.is_at_rest()
             && self.exact_start(column, row).is_some_and(is_balanced)

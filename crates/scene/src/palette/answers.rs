@@ -187,11 +187,11 @@ fn from_oklab([lightness, a, b]: [f64; 3]) -> Tint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::QuestionTable;
-    use crate::question::Ask;
+    use crate::QuestionSettings;
+    use crate::question::QuestionName;
 
-    fn colours(ask: Ask, channel: Option<&str>) -> Result<AnswerColours, SceneError> {
-        let question = QuestionTable { ask, ..QuestionTable::default() };
+    fn colours(ask: QuestionName, channel: Option<&str>) -> Result<AnswerColours, SceneError> {
+        let question = QuestionSettings { ask, ..QuestionSettings::default() };
         let scene = Scene { question, ..Scene::default() };
         let channel = channel.map(str::to_string);
         AnswerColours::new(&scene, &PictureTable { channel, ..PictureTable::default() })
@@ -216,17 +216,17 @@ mod tests {
 
     #[test]
     fn a_channel_has_colours_of_its_own_scale() {
-        let state = colours(Ask::State, Some("theta2")).unwrap();
+        let state = colours(QuestionName::State, Some("theta2")).unwrap();
         let colour = |angle| state.colour(Status::Answered, &[0.3, angle, 0.0, 0.0, 0.0, 0.0]);
         assert!(near(colour(PI), colour(-PI)));
         assert_ne!(colour(0.0), colour(1.0));
-        let speed = colours(Ask::State, Some("omega1")).unwrap();
+        let speed = colours(QuestionName::State, Some("omega1")).unwrap();
         let fast = |w| speed.colour(Status::Answered, &[0.0, 0.0, w, 0.0, 0.0, 0.0]);
         assert_eq!(fast(99.0), fast(10.0), "beyond its scale");
         assert_eq!(speed.colour(Status::Forbidden, &[0.0; 6]), Ground::DARK.forbidden);
-        let refused = colours(Ask::Flip, Some("theta2")).unwrap_err().to_string();
+        let refused = colours(QuestionName::Flip, Some("theta2")).unwrap_err().to_string();
         assert_eq!(refused, "`channel` is 'theta2'; the question flip has time");
-        assert!(colours(Ask::Growth, Some("energy")).is_err());
+        assert!(colours(QuestionName::Growth, Some("energy")).is_err());
     }
 
     #[test]
@@ -236,7 +236,7 @@ mod tests {
         let hanging = kinetic_share(&pendulum, &[0.0, 0.0, 3.0, 1.0, 0.0, 0.0]);
         assert!((hanging - 1.0).abs() < 1e-12);
         assert_eq!(kinetic_share(&pendulum, &[0.0; 6]), 0.0);
-        let state = colours(Ask::State, Some("energy")).unwrap();
+        let state = colours(QuestionName::State, Some("energy")).unwrap();
         let colour = |w: f64| state.colour(Status::Answered, &[1.0, 2.0, w, 0.0, 0.0, 0.0]);
         assert!(colour(0.0) != colour(2.0) && colour(2.0) != colour(9.0));
         assert_eq!(colour(2.0), colour(-2.0), "both directions are one energy here");

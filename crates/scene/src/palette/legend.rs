@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::answers::{AnswerColours, Way, torus};
 use super::steps::WholeNumbers;
 use super::{Rgb, rounded};
-use crate::question::Ask;
+use crate::question::QuestionName;
 
 /// The name of a bar's quantity, and its unit, which may be empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,7 +89,7 @@ impl AnswerColours {
     }
 
     /// The quantity along the bar in the answers to a question.
-    pub fn title(&self, ask: Ask) -> LegendTitle {
+    pub fn title(&self, ask: QuestionName) -> LegendTitle {
         let channels = ask.kind().channels;
         match self.way {
             Way::Times(channel, _)
@@ -138,22 +138,22 @@ fn digits(value: f64, count: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Budget, PictureTable, QuestionTable, Scene};
+    use crate::{Budget, PictureTable, QuestionSettings, Scene};
     use flipmap_pendulum::Status;
 
     #[test]
     fn the_bar_has_the_colours_of_its_values() {
         for (ask, channel) in [
-            (Ask::Flip, 0),
-            (Ask::State, 1),
-            (Ask::State, 2),
-            (Ask::State, 4),
-            (Ask::First, 0),
-            (Ask::Flips, 3),
-            (Ask::Growth, 0),
-            (Ask::Return, 0),
+            (QuestionName::Flip, 0),
+            (QuestionName::State, 1),
+            (QuestionName::State, 2),
+            (QuestionName::State, 4),
+            (QuestionName::First, 0),
+            (QuestionName::Flips, 3),
+            (QuestionName::Growth, 0),
+            (QuestionName::Return, 0),
         ] {
-            let question = QuestionTable { ask, ..QuestionTable::default() };
+            let question = QuestionSettings { ask, ..QuestionSettings::default() };
             let name = ask.kind().channels[channel].name;
             let picture =
                 PictureTable { channel: Some(name.to_string()), ..PictureTable::default() };
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn counts_have_one_colour_each() {
         let colours = |ask, channel: Option<&str>, budget| {
-            let question = QuestionTable { ask, budget, ..QuestionTable::default() };
+            let question = QuestionSettings { ask, budget, ..QuestionSettings::default() };
             let scene = Scene { question, ..Scene::default() };
             let channel = channel.map(str::to_string);
             AnswerColours::new(&scene, &PictureTable { channel, ..PictureTable::default() })
@@ -183,10 +183,10 @@ mod tests {
         };
         let short = Budget::secs(2.0);
         for (ask, channel, count) in [
-            (Ask::Flips, None, 4),
-            (Ask::Flips, Some("first_left"), 11),
-            (Ask::First, None, 2),
-            (Ask::State, Some("turns2"), 11),
+            (QuestionName::Flips, None, 4),
+            (QuestionName::Flips, Some("first_left"), 11),
+            (QuestionName::First, None, 2),
+            (QuestionName::State, Some("turns2"), 11),
         ] {
             let colours = colours(ask, channel, short);
             let along = |k: u32| colours.colour_along(f64::from(k) / 500.0);
@@ -194,17 +194,17 @@ mod tests {
             assert_eq!(changes + 1, count, "{ask} {channel:?}");
             assert_eq!(colours.step_labels(34.0).unwrap().len(), count, "{ask} {channel:?}");
         }
-        let flips = colours(Ask::Flips, None, short);
+        let flips = colours(QuestionName::Flips, None, short);
         for sum in [0.0, 1.0, 2.0, 3.0] {
             let painted = flips.colour(Status::Answered, &[sum, 0.0, 0.0, 0.0]);
             assert_eq!(flips.colour_along((sum + 0.5) / 4.0), painted, "{sum}");
         }
-        assert!(colours(Ask::Growth, None, short).step_labels(34.0).is_none());
+        assert!(colours(QuestionName::Growth, None, short).step_labels(34.0).is_none());
     }
 
     #[test]
     fn two_angles_have_a_square() {
-        let question = QuestionTable { ask: Ask::State, ..QuestionTable::default() };
+        let question = QuestionSettings { ask: QuestionName::State, ..QuestionSettings::default() };
         let scene = Scene { question, ..Scene::default() };
         let colours = AnswerColours::new(&scene, &PictureTable::default()).unwrap();
         assert!(colours.is_square());

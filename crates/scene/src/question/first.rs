@@ -2,14 +2,14 @@
 
 use super::flip::TIME;
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionDef,
+    QuestionInput, TraceColumns, Watches,
 };
 use flipmap_pendulum::Rule;
 use flipmap_pendulum::crossing::bob_at_top;
 use flipmap_pendulum::passes::Pass;
 
-pub(super) const QUESTION: QuestionKind = QuestionKind {
+pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "first",
     about: "Each pixel is a pendulum, coloured by the bob that goes over the top before the other. \
             The channel `time` tells when.",
@@ -35,7 +35,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     },
 };
 
-fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
+fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {
     let bob = 1 + bob_at_top(&ending.phase);
     [bob as f64, ending.outcome.time, 0.0, 0.0, 0.0, 0.0]
 }
@@ -62,7 +62,7 @@ mod tests {
         let pendulum = Pendulum::points([1.0; 2], [1.0; 2], 1.0);
         let bob = |phase| {
             let outcome = Outcome::flipped(2.5);
-            let ending = Ending {
+            let ending = QuestionInput {
                 pendulum: &pendulum,
                 unit_secs: 1.0,
                 outcome,

@@ -1,11 +1,11 @@
 //! `flip`: the moment at which a watched bob first goes over the top.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionDef,
+    QuestionInput, TraceColumns, Watches,
 };
 
-pub(super) const QUESTION: QuestionKind = QuestionKind {
+pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "flip",
     about: "Each pixel is a pendulum, coloured by the time at which the watched bob goes over \
             the top. Where energy forbids that, nothing is simulated.",
@@ -30,7 +30,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
 pub(super) const TIME: Channel =
     Channel { name: "time", unit: "s", right: 1e-3, scale: ChannelScale::Times };
 
-fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
+fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {
     [ending.outcome.time, 0.0, 0.0, 0.0, 0.0, 0.0]
 }
 

@@ -1,12 +1,12 @@
 //! `flips`: the number of times that each bob goes over the top within the budget, by direction.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionDef,
+    QuestionInput, TraceColumns, Watches,
 };
 use flipmap_pendulum::Rule;
 
-pub(super) const QUESTION: QuestionKind = QuestionKind {
+pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "flips",
     about: "Each pixel is a pendulum, coloured by the number of times that its bobs go over the top \
             within the budget. Channels count each bob and direction.",
@@ -38,7 +38,7 @@ const fn count(name: &'static str) -> Channel {
     Channel { name, unit: "", right: 0.0, scale: ChannelScale::Counts(0, 10) }
 }
 
-fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
+fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {
     let [a, b, c, d] = ending.gathered.passes.map(f64::from);
     [a, b, c, d, 0.0, 0.0]
 }

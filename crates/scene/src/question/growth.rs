@@ -1,12 +1,12 @@
 //! `growth`: the finite-time Lyapunov exponent over the budget.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionDef,
+    QuestionInput, TraceColumns, Watches,
 };
 use flipmap_pendulum::Rule;
 
-pub(super) const QUESTION: QuestionKind = QuestionKind {
+pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "growth",
     about: "Each pixel is a pendulum, coloured by how fast the largest of all nudges to its start \
             grows over the budget. Islands of regular motion are dark and chaos is bright.",
@@ -32,7 +32,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     judged: Judgement { budget_secs: 8.0, error: apart, most_error: 0.01, words: "1 %" },
 };
 
-fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
+fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {
     [ending.gathered.log_growth / ending.secs, 0.0, 0.0, 0.0, 0.0, 0.0]
 }
 

@@ -5,7 +5,7 @@
 //! *channels* from the outcome and the end of the integration: named numbers with a unit, a natural
 //! scale of colours, and the error within which they count as right.
 //!
-//! One question is one file here, with a line in [`Ask::ALL`].
+//! One question is one file here, with a line in [`QuestionName::ALL`].
 
 mod first;
 mod flip;
@@ -28,7 +28,7 @@ use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule};
 /// The name of a question.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Ask {
+pub enum QuestionName {
     /// The moment at which a watched bob first goes over the top.
     #[default]
     Flip,
@@ -45,7 +45,7 @@ pub enum Ask {
 }
 
 /// All that a question decides.
-pub struct QuestionKind {
+pub struct QuestionDef {
     /// Name in options and files.
     pub name: &'static str,
     /// Two sentences on what its map shows.
@@ -76,7 +76,7 @@ pub struct QuestionKind {
     /// All that an engine has to return.
     pub needs: Needs,
     /// Returns the values of the channels.
-    pub read: fn(&Ending) -> [f64; MAX_CHANNELS],
+    pub read: fn(&QuestionInput) -> [f64; MAX_CHANNELS],
     /// Columns that it adds to a trace.
     pub columns: TraceColumns,
     /// Judgement of its answers by true ones.
@@ -211,7 +211,7 @@ pub enum ChannelScale {
 
 /// The outcome and the end of an integration, as a question reads them.
 #[derive(Clone, Copy, Debug)]
-pub struct Ending<'a> {
+pub struct QuestionInput<'a> {
     /// The pendulum in reduced units.
     pub pendulum: &'a Pendulum<f64>,
     /// The pendulum's unit of time in s.
@@ -226,20 +226,26 @@ pub struct Ending<'a> {
     pub gathered: Accumulators,
 }
 
-impl Ask {
+impl QuestionName {
     /// Every question.
-    pub const ALL: [Ask; 6] =
-        [Ask::Flip, Ask::First, Ask::Flips, Ask::State, Ask::Growth, Ask::Return];
+    pub const ALL: [QuestionName; 6] = [
+        QuestionName::Flip,
+        QuestionName::First,
+        QuestionName::Flips,
+        QuestionName::State,
+        QuestionName::Growth,
+        QuestionName::Return,
+    ];
 
     /// All that the question decides.
-    pub fn kind(self) -> &'static QuestionKind {
+    pub fn kind(self) -> &'static QuestionDef {
         match self {
-            Ask::Flip => &flip::QUESTION,
-            Ask::First => &first::QUESTION,
-            Ask::Flips => &flips::QUESTION,
-            Ask::State => &state::QUESTION,
-            Ask::Growth => &growth::QUESTION,
-            Ask::Return => &recurrence::QUESTION,
+            QuestionName::Flip => &flip::QUESTION,
+            QuestionName::First => &first::QUESTION,
+            QuestionName::Flips => &flips::QUESTION,
+            QuestionName::State => &state::QUESTION,
+            QuestionName::Growth => &growth::QUESTION,
+            QuestionName::Return => &recurrence::QUESTION,
         }
     }
 
@@ -265,18 +271,18 @@ impl Ask {
     pub(crate) const NAMES: &str = "the questions are flip, first, flips, state, growth and return";
 }
 
-impl fmt::Display for Ask {
+impl fmt::Display for QuestionName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.kind().name)
     }
 }
 
-impl FromStr for Ask {
+impl FromStr for QuestionName {
     type Err = &'static str;
 
     fn from_str(word: &str) -> Result<Self, &'static str> {
-        let named = Ask::ALL.into_iter().find(|ask| ask.kind().name == word);
-        named.ok_or(Ask::NAMES)
+        let named = QuestionName::ALL.into_iter().find(|ask| ask.kind().name == word);
+        named.ok_or(QuestionName::NAMES)
     }
 }
 
@@ -286,13 +292,18 @@ mod tests {
 
     #[test]
     fn errors_are_those_of_the_channels() {
-        let of = |ask: Ask, answer: &[f64], truth: &[f64]| (ask.kind().judged.error)(answer, truth);
-        assert!((of(Ask::State, &[3.1, 0.0], &[-3.1, 0.02]) - 0.0832).abs() < 1e-3, "over the top");
-        assert!((of(Ask::Growth, &[1.1], &[1.0]) - 0.1).abs() < 1e-12);
-        assert_eq!(of(Ask::First, &[1.0, 2.5], &[1.0, 2.0]), 0.5);
-        assert_eq!(of(Ask::First, &[2.0, 2.0], &[1.0, 2.0]), f64::INFINITY);
-        assert_eq!(of(Ask::Flips, &[1.0, 0.0, 2.0, 0.0], &[0.0, 0.0, 4.0, 0.0]), 3.0);
-        assert_eq!(of(Ask::Return, &[0.5, 1.0], &[0.25, 9.0]), 0.25);
-        assert_eq!(of(Ask::Flip, &[1.5], &[1.0]), 0.5);
+        let of = |ask: QuestionName, answer: &[f64], truth: &[f64]| {
+            (ask.kind().judged.error)(answer, truth)
+        };
+        assert!(
+            (of(QuestionName::State, &[3.1, 0.0], &[-3.1, 0.02]) - 0.0832).abs() < 1e-3,
+            "over the top"
+        );
+        assert!((of(QuestionName::Growth, &[1.1], &[1.0]) - 0.1).abs() < 1e-12);
+        assert_eq!(of(QuestionName::First, &[1.0, 2.5], &[1.0, 2.0]), 0.5);
+        assert_eq!(of(QuestionName::First, &[2.0, 2.0], &[1.0, 2.0]), f64::INFINITY);
+        assert_eq!(of(QuestionName::Flips, &[1.0, 0.0, 2.0, 0.0], &[0.0, 0.0, 4.0, 0.0]), 3.0);
+        assert_eq!(of(QuestionName::Return, &[0.5, 1.0], &[0.25, 9.0]), 0.25);
+        assert_eq!(of(QuestionName::Flip, &[1.5], &[1.0]), 0.5);
     }
 }

@@ -1,12 +1,12 @@
 //! `return`: how near the pendulum comes back to its start, and when.
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionDef,
+    QuestionInput, TraceColumns, Watches,
 };
 use flipmap_pendulum::Rule;
 
-pub(super) const QUESTION: QuestionKind = QuestionKind {
+pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "return",
     about: "Each pixel is a pendulum, coloured by how near it comes back to its start within the \
             budget. Dark threads are periodic orbits.",
@@ -30,7 +30,7 @@ pub(super) const QUESTION: QuestionKind = QuestionKind {
     judged: Judgement { budget_secs: 5.0, error: apart, most_error: 1e-3, words: "1e-3" },
 };
 
-fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
+fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {
     let [distance, time] = ending.gathered.nearest;
     [distance, time * ending.unit_secs, 0.0, 0.0, 0.0, 0.0]
 }

@@ -3,13 +3,13 @@
 use std::f64::consts::PI;
 
 use super::{
-    Channel, ChannelScale, Ending, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionKind,
-    TraceColumns, Watches,
+    Channel, ChannelScale, Followed, Judgement, MAX_CHANNELS, Needs, Painted, QuestionDef,
+    QuestionInput, TraceColumns, Watches,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::Rule;
 
-pub(super) const QUESTION: QuestionKind = QuestionKind {
+pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "state",
     about: "Each pixel is a pendulum, coloured by where its rods point at the time `at`. Neighbours \
             of one colour still swing together.",
@@ -50,7 +50,7 @@ const fn turns(name: &'static str) -> Channel {
     Channel { name, unit: "", right: 0.0, scale: ChannelScale::Counts(-5, 5) }
 }
 
-fn read(ending: &Ending) -> [f64; MAX_CHANNELS] {
+fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {
     let [x1, y1, x2, y2, ..] = ending.phase;
     let [theta1, theta2] = [y1.atan2(x1), y2.atan2(x2)].map(|a| if a == -PI { PI } else { a });
     let [omega1, omega2] = ending.pendulum.speeds(&ending.phase).map(|w| w / ending.unit_secs);

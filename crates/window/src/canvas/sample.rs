@@ -60,12 +60,12 @@ fn packed(value: f64, trust: Trust, status: Status) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_scene::question::Ask;
-    use flipmap_scene::{PictureTable, QuestionTable, Scene};
+    use flipmap_scene::question::QuestionName;
+    use flipmap_scene::{PictureTable, QuestionSettings, Scene};
 
     #[test]
     fn another_question_is_painted_before_the_card_sees_it() {
-        let question = QuestionTable { ask: Ask::State, ..QuestionTable::default() };
+        let question = QuestionSettings { ask: QuestionName::State, ..QuestionSettings::default() };
         let scene = Scene { question, ..Scene::default() };
         let colours = AnswerColours::new(&scene, &PictureTable::default()).unwrap();
         let mut samples = Samples::unanswered(2, 6);

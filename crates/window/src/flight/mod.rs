@@ -19,7 +19,7 @@ pub(crate) use self::playback::Playback;
 pub(crate) use self::record::Record;
 pub(crate) use self::record::{FlightEnding, Track};
 pub(crate) use self::trail::Trail;
-use flipmap_engine::Question;
+use flipmap_engine::EventSpec;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Launch, Outcome, Pendulum, Status};
 
@@ -29,7 +29,7 @@ pub(crate) const MIN_SECS: f64 = 30.0;
 /// One flight, as far as it has come.
 #[derive(Debug)]
 pub struct Flight {
-    question: Question,
+    question: EventSpec,
     /// True for the pendulum, and for its ghost, if it can never flip.
     forbidden: [bool; 2],
     record: Record,
@@ -40,7 +40,7 @@ impl Flight {
     /// Releases a pendulum at the first start and its ghost at the second. The flight's thread calls `wake` whenever [`Flight::receive`] has something to take. The
     /// thread ends with the flight, or soon after the flight is dropped.
     pub(crate) fn launch(
-        question: Question,
+        question: EventSpec,
         starts: [Launch; 2],
         wake: impl Fn() + Send + 'static,
     ) -> Flight {
@@ -84,7 +84,7 @@ impl Flight {
     }
 
     /// Returns the flight's question.
-    pub(crate) fn question(&self) -> &Question {
+    pub(crate) fn question(&self) -> &EventSpec {
         &self.question
     }
 
@@ -125,10 +125,10 @@ mod tests {
     use super::*;
     use flipmap_numbers::Decimal;
     use flipmap_pendulum::{Rule, State, oracle, taylor::Orbit};
-    use flipmap_scene::{Build, Scene};
+    use flipmap_scene::{PendulumSpec, Scene};
 
-    fn question(rule: Rule, budget_secs: f64) -> Question {
-        Question { rule, budget_secs, ..Question::from(&Scene::default()) }
+    fn question(rule: Rule, budget_secs: f64) -> EventSpec {
+        EventSpec { rule, budget_secs, ..EventSpec::from(&Scene::default()) }
     }
 
     /// A start and its neighbour, 1e-3 rad away.
@@ -136,11 +136,11 @@ mod tests {
         [start, [start[0] - Dd::new(1e-3), start[1]]]
     }
 
-    fn complete(question: Question, starts: [[Dd; 2]; 2]) -> Flight {
+    fn complete(question: EventSpec, starts: [[Dd; 2]; 2]) -> Flight {
         flown(question, starts.map(Launch::at_rest))
     }
 
-    fn flown(question: Question, starts: [Launch; 2]) -> Flight {
+    fn flown(question: EventSpec, starts: [Launch; 2]) -> Flight {
         let mut flight = Flight::launch(question, starts, || ());
         let begun = Instant::now();
         while flight.record().ending.is_none() {
@@ -151,7 +151,7 @@ mod tests {
         flight
     }
 
-    fn oracle_of(question: &Question, start: [Dd; 2]) -> Outcome<Dd> {
+    fn oracle_of(question: &EventSpec, start: [Dd; 2]) -> Outcome<Dd> {
         let pendulum: Pendulum<Dd> = question.build.pendulum_in();
         oracle::outcome(&pendulum, start, question.rule, Dd::new(question.budget_secs))
     }
@@ -220,8 +220,8 @@ mod tests {
 
     #[test]
     fn without_gravity_and_in_balance_nothing_moves() {
-        let weightless = Build { gravity: Decimal::from(0.0), ..Build::default() };
-        let floating = Question { build: weightless, ..question(Rule::Second, 40.0) };
+        let weightless = PendulumSpec { gravity: Decimal::from(0.0), ..PendulumSpec::default() };
+        let floating = EventSpec { build: weightless, ..question(Rule::Second, 40.0) };
         for (question, start, status) in [
             (floating, [2.2, 1.4].map(Dd::new), Status::Forbidden),
             (question(Rule::Second, 40.0), [Dd::PI, Dd::PI], Status::Unflipped),
@@ -265,8 +265,8 @@ mod tests {
 
     #[test]
     fn a_huge_budget_ends_where_memory_does_and_a_dropped_flight_stops() {
-        let fast = Build { gravity: Decimal::from(1e6), ..Build::default() };
-        let long = Question { build: fast, ..question(Rule::Second, 1e6) };
+        let fast = PendulumSpec { gravity: Decimal::from(1e6), ..PendulumSpec::default() };
+        let long = EventSpec { build: fast, ..question(Rule::Second, 1e6) };
         let start = [0.3, 0.2].map(Dd::new);
         let flight = complete(long, pair(start));
         assert_eq!(flight.record().ending, Some(FlightEnding::Full));

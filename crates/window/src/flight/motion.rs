@@ -88,10 +88,10 @@ impl Motion {
 mod tests {
     use super::*;
     use flipmap_pendulum::taylor::Orbit;
-    use flipmap_scene::Build;
+    use flipmap_scene::PendulumSpec;
 
     fn recorded(angle: [f64; 2], until_secs: f64) -> (Orbit<Dd>, Motion) {
-        let pendulum = Build::default().pendulum_in::<Dd>();
+        let pendulum = PendulumSpec::default().pendulum_in::<Dd>();
         let start = State::rest(angle.map(Dd::new));
         let (mut orbit, mut motion) = (Orbit::new(pendulum, start), Motion::default());
         while orbit.time().hi < until_secs {

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use super::record::{FlightEnding, Flip, Record, Track};
-use flipmap_engine::Question;
+use flipmap_engine::EventSpec;
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::separation::{Reading, Ruler};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};
@@ -18,7 +18,7 @@ pub(crate) const MAX_STEPS: usize = 20_000;
 /// Integrates a pendulum from the first start and its ghost from the second up to `until_secs`;
 /// stops as soon as `hand_over` returns false.
 pub(crate) fn fly(
-    question: &Question,
+    question: &EventSpec,
     starts: [Launch; 2],
     until_secs: f64,
     mut hand_over: impl FnMut(Record) -> bool,
@@ -102,7 +102,7 @@ struct GhostPair {
 }
 
 impl GhostPair {
-    fn new(question: &Question, starts: [Launch; 2], until_secs: f64) -> Self {
+    fn new(question: &EventSpec, starts: [Launch; 2], until_secs: f64) -> Self {
         let pendulum: Pendulum<Dd> = question.build.pendulum_in();
         let [own, ghost] = starts.map(|start| Flyer::new(pendulum, start, question.rule));
         GhostPair {

@@ -60,11 +60,11 @@ mod tests {
     use flipmap_numbers::Dd;
     use flipmap_pendulum::State;
     use flipmap_pendulum::taylor::Orbit;
-    use flipmap_scene::Build;
+    use flipmap_scene::PendulumSpec;
 
     #[test]
     fn a_trail_kept_from_frame_to_frame_is_the_one_made_at_once() {
-        let build = Build::default();
+        let build = PendulumSpec::default();
         let (mut orbit, mut motion) = (
             Orbit::new(build.pendulum_in::<Dd>(), State::rest([2.2, 1.4].map(Dd::new))),
             Motion::default(),

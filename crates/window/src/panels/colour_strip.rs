@@ -4,10 +4,10 @@ use egui::{Align2, Color32, Mesh, Rect, Response, Role, Sense, Ui, WidgetInfo, p
 
 use super::field::plain;
 use flipmap_scene::palette::{AnswerColours, BarLabels, FAILED, Ground, Rgb};
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 
 /// Shows all colours with values under them, and those of pixels without an answer.
-pub(super) fn legend(ui: &mut Ui, colours: &AnswerColours, ask: Ask, palette: &str) {
+pub(super) fn legend(ui: &mut Ui, colours: &AnswerColours, ask: QuestionName, palette: &str) {
     let unit = colours.title(ask).unit;
     if colours.is_square() {
         square(ui, colours);

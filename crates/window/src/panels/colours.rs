@@ -8,7 +8,7 @@ use super::ground::grounds;
 use super::stops::stops;
 use crate::colour_cycle::{CYCLE_SPEEDS, ColourCycle};
 use flipmap_scene::palette::{AnswerColours, Palette, Tones};
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 use flipmap_scene::{PictureTable, Scale, Scene};
 
 /// An action of the user on the colours.
@@ -73,7 +73,7 @@ fn back(ui: &mut Ui, picture: &PictureTable) -> Option<ColourAction> {
 }
 
 /// Shows the choice of the channel that is painted.
-fn channels(ui: &mut Ui, picture: &mut PictureTable, ask: Ask) {
+fn channels(ui: &mut Ui, picture: &mut PictureTable, ask: QuestionName) {
     const NATURAL: &str = "as is natural";
     ui.horizontal(|ui| {
         let label = ui.label("Channel");

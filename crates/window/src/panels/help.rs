@@ -5,7 +5,7 @@ use egui::{Align2, Key, Label, Modal, RichText, ScrollArea, TextEdit, Ui};
 use crate::action::Action;
 use crate::commands::{Command, shortcut_text};
 use crate::state::Dialog;
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 
 /// Actions of the pointer and of keys that stand together, for the list of keys.
 pub(crate) const POINTER: [(&str, &str); 11] = [
@@ -59,7 +59,7 @@ fn questions(ui: &mut Ui) {
     ui.add_space(8.0);
     ui.heading("Questions, to be chosen under Scene");
     egui::Grid::new("questions").num_columns(2).striped(true).show(ui, |ui| {
-        for ask in Ask::ALL {
+        for ask in QuestionName::ALL {
             ui.label(RichText::new(ask.kind().name).strong());
             ui.add(Label::new(ask.kind().about).wrap());
             ui.end_row();

@@ -4,7 +4,7 @@ use egui::{Align2, Area, Context, Frame, Id, Rect, vec2};
 
 use super::colour_strip::legend;
 use flipmap_scene::palette::AnswerColours;
-use flipmap_scene::question::Ask;
+use flipmap_scene::question::QuestionName;
 
 /// Width of the legend in points, where there is room.
 const WIDTH_POINTS: f32 = 300.0;
@@ -16,7 +16,7 @@ pub(crate) fn map_legend(
     ctx: &Context,
     map: Rect,
     colours: &AnswerColours,
-    ask: Ask,
+    ask: QuestionName,
     palette: &str,
 ) {
     let width = WIDTH_POINTS.min(map.width() - 4.0 * MARGIN_POINTS);

@@ -6,8 +6,8 @@ use super::field::number;
 use super::plane_diagram::plane_diagram;
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
-use flipmap_scene::question::{Ask, Watches};
-use flipmap_scene::{Axis, Budget, Build, Kind, Plane, PlaneKind, QuestionTable, Scene};
+use flipmap_scene::question::{QuestionName, Watches};
+use flipmap_scene::{Axis, Budget, Kind, PendulumSpec, Plane, PlaneKind, QuestionSettings, Scene};
 
 /// Range of a mass in kg or a length in m.
 const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
@@ -34,7 +34,7 @@ pub fn scene_panel(ui: &mut Ui, scene: &Scene) -> Option<Scene> {
     new.without_strays().checked().ok()
 }
 
-fn built(ui: &mut Ui, build: &mut Build) {
+fn built(ui: &mut Ui, build: &mut PendulumSpec) {
     ui.label("Kind");
     ui.horizontal(|ui| {
         let points = ui.radio_value(&mut build.kind, Kind::Points, "points");
@@ -72,11 +72,11 @@ const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay togeth
                        when neighbouring pixels of the middle have come a turn apart, in steps of 5 s \
                        (of the default pendulum)";
 
-fn asked(ui: &mut Ui, question: &mut QuestionTable) {
+fn asked(ui: &mut Ui, question: &mut QuestionSettings) {
     let label = ui.label("Question");
     let combo = ComboBox::from_id_salt("ask").selected_text(question.ask.kind().name);
     let combo = combo.show_ui(ui, |ui| {
-        for ask in Ask::ALL {
+        for ask in QuestionName::ALL {
             let kind = ask.kind();
             ui.selectable_value(&mut question.ask, ask, kind.name).on_hover_text(kind.about);
         }
@@ -88,7 +88,7 @@ fn asked(ui: &mut Ui, question: &mut QuestionTable) {
         rule(ui, &mut question.rule);
     }
     if kind.has_count {
-        let most = f64::from(QuestionTable::MAX_COUNT);
+        let most = f64::from(QuestionSettings::MAX_COUNT);
         if let Some(count) = number(ui, "Flip number", "", f64::from(question.count), 1.0..=most) {
             question.count = count.round() as u32;
         }
@@ -105,7 +105,7 @@ fn asked(ui: &mut Ui, question: &mut QuestionTable) {
     } else {
         question.at = None;
     }
-    if question.ask == Ask::Flip && question.count == 1 {
+    if question.ask == QuestionName::Flip && question.count == 1 {
         ui.label("");
         ui.checkbox(&mut question.budget.auto, "Follow the depth").on_hover_text(FOLLOWS);
         ui.end_row();
@@ -113,7 +113,7 @@ fn asked(ui: &mut Ui, question: &mut QuestionTable) {
 }
 
 /// Shows the moment of the answer, which is the end of the budget if it is not set.
-fn moment(ui: &mut Ui, question: &mut QuestionTable) {
+fn moment(ui: &mut Ui, question: &mut QuestionSettings) {
     let budget_secs = question.budget.secs;
     question.at = question.at.map(|secs| secs.min(budget_secs));
     let shown = question.at.unwrap_or(budget_secs);

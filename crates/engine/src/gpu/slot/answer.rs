@@ -9,8 +9,8 @@ use crate::integrator_state::{MAX_CARRIED, carried_names};
 use crate::pace::Pace;
 use crate::shared::{CountedOutcome, PackedWork, RawOutcome, from_parts, status_of};
 use crate::{
-    Carried, Effort, End, Ends, EngineError, IntegratorState, Job, JobResult, Keep, NUMBERS,
-    Precision, Starts, start,
+    Carried, Effort, EngineError, FinalState, IntegratorState, Job, JobResult, Keep, NUMBERS,
+    Precision, Starts, WantedEnd, start,
 };
 use flipmap_pendulum::{Accumulators, Outcome, Status};
 
@@ -60,7 +60,7 @@ impl Slot {
         };
         if self.job.keep != Keep::NOTHING {
             let Some(mut states) = self.read_states(raw) else { return Ok(None) };
-            if self.job.keep.ends != Ends::None {
+            if self.job.keep.ends != WantedEnd::None {
                 finished.ends = self.ends(ended, &states);
             }
             if self.job.keep.states {
@@ -74,15 +74,19 @@ impl Slot {
     }
 
     /// The end of each pendulum; a flip lies in the step that follows its state.
-    fn ends(&self, Outcomes { raw, passes }: Outcomes, states: &[IntegratorState]) -> Vec<End> {
+    fn ends(
+        &self,
+        Outcomes { raw, passes }: Outcomes,
+        states: &[IntegratorState],
+    ) -> Vec<FinalState> {
         let (reduced, _) = self.job.question.reduced();
         match self.job.keep.ends {
-            Ends::Growth => {
+            WantedEnd::Growth => {
                 let end = |state| start::end_with_growth(&reduced, state);
                 return states.par_iter().map(end).collect();
             }
-            Ends::Return => return states.iter().map(start::end_with_return).collect(),
-            Ends::None | Ends::Plain => {}
+            WantedEnd::Return => return states.iter().map(start::end_with_return).collect(),
+            WantedEnd::None | WantedEnd::Plain => {}
         }
         let one = |(k, (raw, state)): (usize, (&RawOutcome, &IntegratorState))| {
             let flipped =

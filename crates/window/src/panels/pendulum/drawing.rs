@@ -10,7 +10,7 @@ use super::{CANVAS, FAINT, INK};
 use crate::pins::{Pin, Pins};
 use flipmap_lab::drawing::corner_inside;
 use flipmap_pendulum::State;
-use flipmap_scene::{Build, Kind};
+use flipmap_scene::{Kind, PendulumSpec};
 
 /// Number of points per band of equal opacity; few, because lines that meet show a bead.
 const BAND_POINTS: usize = 16;
@@ -54,7 +54,7 @@ const MINIATURE: f32 = 44.0;
 
 /// Draws a small pendulum on a disc beside a point, with its angles in rad from the downward
 /// vertical.
-pub(crate) fn miniature(painter: &Painter, beside: Pos2, build: &Build, angle: [f64; 2]) {
+pub(crate) fn miniature(painter: &Painter, beside: Pos2, build: &PendulumSpec, angle: [f64; 2]) {
     let side = vec2(MINIATURE, MINIATURE);
     let corner = beside + vec2(16.0, -16.0 - 2.0 * MINIATURE);
     let middle = corner_inside(painter.clip_rect().shrink(4.0), 2.0 * side, corner) + side;
@@ -80,11 +80,11 @@ fn told(pin: &Pin, state: Option<&State<f64>>) -> String {
 struct PendulumCanvas<'a> {
     pivot: Pos2,
     half_side: f32,
-    build: &'a Build,
+    build: &'a PendulumSpec,
 }
 
 impl<'a> PendulumCanvas<'a> {
-    fn new(pivot: Pos2, half_side: f32, build: &'a Build) -> Self {
+    fn new(pivot: Pos2, half_side: f32, build: &'a PendulumSpec) -> Self {
         PendulumCanvas { pivot, half_side, build }
     }
 
