@@ -14,6 +14,21 @@
 //! * [`selfcheck`] decides which arithmetic of an adapter is trusted, [`profile`] measures what the
 //!   configurations cost, [`choice`] selects an engine and a configuration, and [`run_settings`]
 //!   turns the words of a request into settings.
+//!
+//! ```
+//! use flipmap_engine::cpu::{Dop853, outcomes};
+//! use flipmap_engine::EventSpec;
+//! use flipmap_numbers::Dd;
+//! use flipmap_pendulum::Rule;
+//! use flipmap_scene::PendulumSpec;
+//!
+//! let build = PendulumSpec::default();
+//! let question = EventSpec { build, rule: Rule::Second, budget_secs: 5.0, passes: 1 };
+//! let starts = [[3.0, 3.0], [0.1, 0.2]].map(|angles| angles.map(Dd::new));
+//! let answers = outcomes::<Dop853>(&question, 1e-12, &starts)?;
+//! assert!(answers[0].time < 5.0);
+//! # Ok::<(), flipmap_engine::EngineError>(())
+//! ```
 
 pub mod background;
 mod cells;
@@ -22,11 +37,11 @@ pub mod cpu;
 pub mod depth;
 mod end;
 pub mod gpu;
-pub(crate) mod integrator_state;
+mod integrator_state;
 mod keep;
-pub(crate) mod kind;
+mod kind;
 pub mod level;
-pub(crate) mod method;
+mod method;
 pub mod mock;
 mod number_parts;
 mod one_job;
@@ -39,7 +54,7 @@ pub mod shared;
 mod slowed;
 pub mod start;
 mod starts;
-pub(crate) mod symbol;
+mod symbol;
 pub mod threads;
 pub mod trust;
 

@@ -4,9 +4,17 @@
 //! drawing, controls, and its data as CSV. A window shows one at a time; [`still`] draws one
 //! without a window. The physics is the core's: no equation is written here. The seventh figure is
 //! the map itself; [`flips`] explains it.
+//!
+//! ```
+//! use flipmap_lab::{Figure, Lab};
+//!
+//! let mut lab = Lab::new(Figure::named("double").unwrap());
+//! let data = lab.live().unwrap().csv(2.0);
+//! assert!(data.lines().count() > 10, "a header and two seconds of motion");
+//! ```
 
 pub mod chart;
-pub(crate) mod clock;
+mod clock;
 mod colour_words;
 mod controls;
 mod double;
@@ -17,15 +25,15 @@ mod figures;
 pub mod flips;
 mod ghost;
 pub mod home;
-pub(crate) mod integrators;
+mod integrators;
 mod labels;
 mod machine;
-pub(crate) mod playing;
+mod playing;
 mod single;
 mod single_simulation;
 pub mod still;
 pub mod story;
-pub(crate) mod twenty;
+mod twenty;
 
 use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};

@@ -16,7 +16,7 @@
 //! ```
 
 pub mod dd;
-pub(crate) mod decimal;
+mod decimal;
 pub mod dual;
 pub mod fixed;
 pub mod frame;

@@ -1,7 +1,5 @@
-//! The mathematics of the double pendulum, generic over the number type.
-//!
-//! This module knows no files, threads or graphics cards; the rest of the crate takes the physics
-//! from here:
+//! The mathematics of the double pendulum, generic over the number type. This crate knows no files,
+//! threads or graphics cards.
 //!
 //! * [`pendulum`] holds the five numbers and the equations of motion, written once for scalars,
 //!   SIMD lanes and the symbols from which the GPU's kernels are printed;
@@ -13,6 +11,16 @@
 //! * [`transport`] brings a state to another time;
 //! * [`simple`] is the single pendulum, [`separation`] measures how fast two pendulums diverge;
 //! * [`flip`] and [`crossing`] find the moment at which a bob passes the top.
+//!
+//! ```
+//! use flipmap_numbers::Dd;
+//! use flipmap_pendulum::{Pendulum, Rule, oracle};
+//!
+//! let pendulum = Pendulum::points([1.0, 1.0], [1.0, 1.0], 1.0);
+//! let released = [2.0, 2.0].map(Dd::new);
+//! let outcome = oracle::outcome(&pendulum, released, Rule::Second, 30.0);
+//! println!("{:?} after {} units of time", outcome.status, outcome.time);
+//! ```
 
 mod accumulators;
 pub mod control;

@@ -1,4 +1,25 @@
 //! Pictures, films and traces: which samples are computed, in what order, and into which files.
+//!
+//! * [`tiles`] chooses the starts to compute next; its [`Renderer`](tiles::Renderer) turns a scene
+//!   into [`Samples`](tiles::Samples), its [`Explorer`](tiles::explorer::Explorer) serves a window;
+//! * [`output`] writes PNG, EXR, NumPy and tiled pictures, files that are either complete or absent;
+//!   its [`PictureRecipe`](output::PictureRecipe) is the one way in which a picture is made, its
+//!   [`Trace`](output::Trace) follows a single pendulum;
+//! * [`film`] paints the frames between keys and feeds an encoder;
+//! * [`farm`] splits stills and films into shards, and joins them.
+//!
+//! ```
+//! use flipmap_engine::EngineKind;
+//! use flipmap_engine::choice::EngineRequest;
+//! use flipmap_render::tiles::Renderer;
+//! use flipmap_scene::Document;
+//!
+//! let scene = Document::parse("[question]\nbudget = 3.0")?.scene();
+//! let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
+//! let samples = Renderer::new(&request)?.render(&scene.checked()?, [8, 8])?;
+//! println!("{:?} in the corner", samples.get(0).status);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod farm;
 pub mod film;

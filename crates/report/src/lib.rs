@@ -4,8 +4,16 @@
 //! of the home map and the gold standard's answers to some of them. After each task the [`Report`]
 //! is complete in itself and lists what is still missing; [`pages`] lays it out for readers, and
 //! [`Folder`] writes it.
+//!
+//! The hard cases stand in [`hard`], each with what makes it hard:
+//!
+//! ```
+//! for case in flipmap_report::hard::cases() {
+//!     println!("{}: {}", case.name, case.why);
+//! }
+//! ```
 
-pub(crate) mod backend;
+mod backend;
 pub mod baseline;
 mod beyond;
 mod chapters;

@@ -1,8 +1,19 @@
 //! The content of a picture as plain data, never how it is computed.
 //!
-//! A [`Scene`] is a pendulum, a question and a view. Two scenes are the same work exactly when
-//! their pendulums and questions are equal; the view only selects the starts. [`Document`] is a
-//! scene as people keep it: a TOML file, or the text inside a PNG.
+//! A [`Scene`] is a pendulum ([`PendulumSpec`]), a question ([`QuestionSettings`], of the kinds in
+//! [`question`]), a [`Plane`] of starts and a [`View`] of it. Two scenes are the same work exactly
+//! when their pendulums and questions are equal; the view only selects the starts, which a [`Grid`]
+//! finds for each pixel. A [`Document`] is a scene as people keep it: a TOML file, or the text
+//! inside a PNG; every value of it is a [`Setting`]. [`palette`] has the colours, [`keys`] the
+//! films, [`lattice`] the recursive division of the plane that a window's tiles belong to.
+//!
+//! ```
+//! use flipmap_scene::Document;
+//!
+//! let document = Document::parse("[pendulum]\nmasses = [1.0, 2.0]\n[view]\nwidth = \"0.5\"")?;
+//! assert_eq!(document.scene().view.width, "0.5");
+//! # Ok::<(), flipmap_scene::DocumentError>(())
+//! ```
 
 mod angle_text;
 mod budget;

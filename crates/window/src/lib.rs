@@ -4,6 +4,26 @@
 //! it. Panels are functions `(&mut Ui, &State) → Actions`, so that they can be shown and rendered
 //! without a window. Slow work runs on threads of its own and wakes the window when there is
 //! something to show.
+//!
+//! ```no_run
+//! use std::time::Instant;
+//!
+//! use flipmap_engine::choice::EngineRequest;
+//! use flipmap_window::folders::Folders;
+//! use flipmap_window::model::WindowOptions;
+//! use flipmap_window::window;
+//!
+//! let options = WindowOptions {
+//!     document: None,
+//!     run: None,
+//!     request: EngineRequest::default(),
+//!     folders: Folders::none(),
+//!     stats: None,
+//!     film_command: None,
+//! };
+//! window::run(options, Instant::now(), |_close| {})?;
+//! # Ok::<(), window::WindowError>(())
+//! ```
 
 pub mod action;
 mod answerable;
@@ -11,37 +31,37 @@ mod answers;
 mod auto_budget;
 pub mod camera;
 pub mod canvas;
-pub(crate) mod captions;
+mod captions;
 mod central;
 pub mod colour_cycle;
-pub(crate) mod commands;
-pub(crate) mod compute_service;
-pub(crate) mod descent;
-pub(crate) mod dialog;
+mod commands;
+mod compute_service;
+mod descent;
+mod dialog;
 mod effects;
-pub(crate) mod egui_host;
-pub(crate) mod energy_curve;
+mod egui_host;
+mod energy_curve;
 pub mod export;
 mod favourites;
 mod film;
 pub mod film_draft;
 pub mod film_run;
-pub(crate) mod flight;
+mod flight;
 pub mod folders;
-pub(crate) mod gesture;
-pub(crate) mod history;
+mod gesture;
+mod history;
 pub mod hover;
 mod incoming;
-pub(crate) mod integration;
+mod integration;
 mod laboratory;
-pub(crate) mod map;
-pub(crate) mod meter;
+mod map;
+mod meter;
 pub mod model;
 mod movement;
 mod news_pace;
-pub(crate) mod notices;
+mod notices;
 mod outlook;
-pub(crate) mod overlay;
+mod overlay;
 pub mod panels;
 mod pin_paths;
 pub mod pin_start;
@@ -53,10 +73,10 @@ pub mod settings;
 mod side_panel;
 mod spread;
 pub mod state;
-pub(crate) mod stats;
-pub(crate) mod swing;
+mod stats;
+mod swing;
 mod thumbs;
-pub(crate) mod time_left;
-pub(crate) mod view_samples;
-pub(crate) mod wake;
+mod time_left;
+mod view_samples;
+mod wake;
 pub mod window;
