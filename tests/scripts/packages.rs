@@ -70,28 +70,37 @@ fn a_release_builds_what_packages_name() {
     assert!(!workflow.contains("target: riscv64gc-unknown-linux-gnu }"), "the test can fail");
 }
 
-#[test]
-fn the_crate_holds_what_it_is_built_from_and_no_more() {
+/// The names of the files that a package holds.
+fn packaged(package: &str) -> Vec<String> {
     let listed = Command::new(env!("CARGO"))
-        .args(["package", "--list", "--allow-dirty", "--offline"])
+        .args(["package", "--list", "--allow-dirty", "--offline", "--package", package])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .output()
         .unwrap();
     assert!(listed.status.success(), "{}", String::from_utf8_lossy(&listed.stderr));
-    let names = String::from_utf8(listed.stdout).unwrap();
+    String::from_utf8(listed.stdout).unwrap().lines().map(str::to_string).collect()
+}
+
+#[test]
+fn packages_hold_what_they_are_built_from_and_no_more() {
+    let names = packaged("flipmap");
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let bytes = |name: &str| root.join(name).metadata().map_or(0, |found| found.len());
-    assert!(names.lines().map(bytes).sum::<u64>() < 6 << 20, "a registry takes 10 MiB, compressed");
-    let has = |start: &str| names.lines().any(|name| name.starts_with(start));
-    for wanted in ["src/main.rs", "shaders/", "assets/palettes/LICENSE-crameri.txt", "LICENSE-MIT"]
-    {
-        assert!(has(wanted), "{wanted}");
-    }
-    for folder in ["fuzz/", "python/", "tests/", "proptest-regressions/", "packaging/", "scripts/"]
-    {
+    let bytes = |name: &String| root.join(name).metadata().map_or(0, |found| found.len());
+    assert!(names.iter().map(bytes).sum::<u64>() < 6 << 20, "a registry takes 10 MiB, compressed");
+    let has = |start: &str| names.iter().any(|name| name.starts_with(start));
+    assert!(has("src/main.rs") && has("LICENSE-MIT"));
+    for folder in ["fuzz/", "python/", "tests/", "crates/", "packaging/", "scripts/"] {
         assert!(!has(folder), "{folder}");
     }
-    assert!(!names.lines().any(|name| name.starts_with("docs/") && name.ends_with(".png")));
+    assert!(!names.iter().any(|name| name.starts_with("docs/") && name.ends_with(".png")));
+    for (package, wanted) in [
+        ("flipmap-shaders", "flip.wgsl"),
+        ("flipmap-assets", "palettes/LICENSE-crameri.txt"),
+        ("flipmap-assets", "scenes/home.toml"),
+        ("flipmap-engine", "src/lib.rs"),
+    ] {
+        assert!(packaged(package).iter().any(|name| name == wanted), "{package}: {wanted}");
+    }
 }
 
 #[test]
