@@ -1,4 +1,5 @@
 //! The built-in scenes, colour tables and pages of flipmap, as the texts of this folder.
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 macro_rules! places {
     ($($name:literal)*) => {

@@ -1,4 +1,5 @@
 //! The WGSL shaders of flipmap, as the texts of this folder.
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 macro_rules! kernel_parts {
     ($($name:literal)*) => {

@@ -87,7 +87,7 @@ fn is_direction(character: char) -> bool {
 }
 
 /// Largest number of characters of a line of a usage error.
-const MAX_IN_LINE: usize = 400;
+const MAX_LINE_CHARACTERS: usize = 400;
 
 /// Ends the program with what clap has to say: help, or an error, cleaned like any other and with its
 /// code.
@@ -104,10 +104,10 @@ pub(super) fn leave(error: &clap::Error) -> ! {
 /// A line without its middle if it is very long: the ends have the words, and the middle a value.
 fn shortened(line: &str) -> String {
     let characters: Vec<char> = line.chars().collect();
-    if characters.len() <= MAX_IN_LINE {
+    if characters.len() <= MAX_LINE_CHARACTERS {
         return line.to_string();
     }
-    let half = MAX_IN_LINE / 2;
+    let half = MAX_LINE_CHARACTERS / 2;
     let [head, tail] = [&characters[..half], &characters[characters.len() - half..]];
     head.iter().chain(&['…']).chain(tail).collect()
 }

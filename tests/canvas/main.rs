@@ -26,7 +26,7 @@ use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, SIDE, pitch_rad, side_rad};
 use flipmap_scene::palette::{FAILED, Ground, Rgb, Tones, equalised, light};
 use flipmap_scene::{
-    Budget, Fate, Grid, PendulumSpec, PictureTable, QuestionSettings as Asked, Scale, Scene,
+    Budget, Fate, Grid, PendulumSpec, PictureTable, QuestionSettings, Scale, Scene,
 };
 use flipmap_window::camera::{Camera, Screen};
 use flipmap_window::hover::sample_at;
@@ -54,7 +54,7 @@ const PLAIN: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 fn scene(budget: f64) -> Scene {
     Scene {
-        question: Asked { budget: Budget::secs(budget), ..Asked::default() },
+        question: QuestionSettings { budget: Budget::secs(budget), ..QuestionSettings::default() },
         ..Scene::default()
     }
 }

@@ -11,9 +11,7 @@ use flipmap_engine::{
 };
 use flipmap_numbers::{Dd, Decimal};
 use flipmap_pendulum::{Outcome, Rule, Status};
-use flipmap_scene::{
-    Budget, Fate, Grid, Kind, PendulumSpec, QuestionSettings as Asked, Scene, View,
-};
+use flipmap_scene::{Budget, Fate, Grid, Kind, PendulumSpec, QuestionSettings, Scene, View};
 
 const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
@@ -87,7 +85,11 @@ fn the_lesson_is_right_where_rk4_at_120_is(make: Make) {
 fn scenes() -> Vec<Scene> {
     let scene = |build: PendulumSpec, rule: Rule, budget: f64| Scene {
         build,
-        question: Asked { rule, budget: Budget::secs(budget), ..Asked::default() },
+        question: QuestionSettings {
+            rule,
+            budget: Budget::secs(budget),
+            ..QuestionSettings::default()
+        },
         ..Scene::default()
     };
     let plain = PendulumSpec::default();
@@ -290,7 +292,7 @@ fn the_lightest_and_fastest_do_not_break_it(make: Make) {
         [([1e-3, 1.0], [1.0, 1.0]), ([1.0, 1e-3], [1.0, 1e-3]), ([1e3, 1.0], [1e-3, 1.0])]
     {
         let build = PendulumSpec::new(Kind::Points, masses, lengths, 9.81);
-        let asked = Asked { budget: Budget::secs(3.0), ..Asked::default() };
+        let asked = QuestionSettings { budget: Budget::secs(3.0), ..QuestionSettings::default() };
         let scene = Scene { build, question: asked, ..Scene::default() };
         let starts = open_starts(&scene, 24, 1);
         for config in configs() {

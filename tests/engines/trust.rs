@@ -6,7 +6,7 @@ use flipmap_engine::trust::TrustEngine;
 use flipmap_engine::{Accuracy, Engine, IntegratorConfig, Keep, Method, Precision, Starts, Trust};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Pendulum, Status, oracle};
-use flipmap_scene::{Budget, QuestionSettings as Asked, Scene, View};
+use flipmap_scene::{Budget, QuestionSettings, Scene, View};
 use rayon::prelude::*;
 
 fn exact() -> TrustEngine<'static> {
@@ -23,7 +23,7 @@ fn window(center: [&str; 2], width: &str, budget: f64) -> Scene {
     let view = View { center, width: width.to_string(), ..View::default() };
     Scene {
         view,
-        question: Asked { budget: Budget::secs(budget), ..Asked::default() },
+        question: QuestionSettings { budget: Budget::secs(budget), ..QuestionSettings::default() },
         ..Scene::default()
     }
 }

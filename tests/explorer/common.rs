@@ -10,7 +10,7 @@ use flipmap_render::tiles::cache::{CachedCell, TILE_BYTES};
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::lattice::{Cell, Region, SIDE, side_rad};
-use flipmap_scene::{Budget, Fate, PendulumSpec, QuestionSettings as Asked, Scene};
+use flipmap_scene::{Budget, Fate, PendulumSpec, QuestionSettings, Scene};
 
 use super::ledger::Ledger;
 
@@ -45,10 +45,10 @@ pub(crate) fn lively(level: u32) -> ViewTarget {
 }
 
 pub(crate) fn scene(target: &ViewTarget) -> Scene {
-    let question = Asked {
+    let question = QuestionSettings {
         rule: target.physics.question.rule,
         budget: Budget::secs(target.budget_secs),
-        ..Asked::default()
+        ..QuestionSettings::default()
     };
     Scene { build: target.physics.build, question, ..Scene::default() }
 }

@@ -3,7 +3,7 @@
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_engine::{
-    Engine, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, Trust, WantedEnd,
+    Engine, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, Trust, WantedEnds,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::taylor::Orbit;
@@ -67,7 +67,7 @@ fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
         question: EventSpec::from(&returns),
         config: DD,
         starts: Starts::Rest(vec![[Dd::new(1.0); 2]]),
-        keep: Keep { ends: WantedEnd::Return, states: true },
+        keep: Keep { ends: WantedEnds::Return, states: true },
     };
     let refused = { engine }.submit(job).unwrap_err().to_string();
     assert!(refused.contains("omit `state`"), "{refused}");

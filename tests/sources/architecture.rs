@@ -1,5 +1,5 @@
-//! The project's rules that a machine can check: dependencies between modules, sizes of files,
-//! valid shaders, matching struct counterparts, kernels with only the code that their scene needs.
+//! The project's rules that a machine can check: sizes of files, valid shaders, matching struct
+//! counterparts, kernels with only the code that their scene needs.
 
 use std::fs;
 use std::mem::offset_of;
@@ -14,7 +14,7 @@ use flipmap_engine::pace::Pace;
 use flipmap_engine::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants,
 };
-use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, Trust, WantedEnd};
+use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, Trust, WantedEnds};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Rule, Status};
 use flipmap_render::output::sha256;
@@ -135,7 +135,7 @@ fn designs() -> Vec<Design> {
                     };
                     designs.extend(builds.map(made));
                     if rule == Rule::Neither && method.name() != "taylor" {
-                        for ends in [WantedEnd::Growth, WantedEnd::Return] {
+                        for ends in [WantedEnds::Growth, WantedEnds::Return] {
                             designs.extend(builds.map(|build| made(build).computing(ends)));
                         }
                     }

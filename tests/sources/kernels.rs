@@ -11,7 +11,7 @@ use flipmap_engine::gpu::packing::Packing;
 use flipmap_engine::gpu::pairs::Pairs;
 use flipmap_engine::pace::Pace;
 use flipmap_engine::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
-use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, WantedEnd};
+use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, WantedEnds};
 use flipmap_pendulum::Rule;
 use flipmap_scene::PendulumSpec;
 use naga::back::{glsl, hlsl, msl, spv};
@@ -51,8 +51,8 @@ fn designs(subgroups: bool) -> Vec<(String, Design)> {
             ("either", made(Rule::Either, 1)),
             ("passes", made(Rule::Second, 3)),
             ("turns", made(Rule::Neither, 1)),
-            ("growth", made(Rule::Neither, 1).computing(WantedEnd::Growth)),
-            ("return", made(Rule::Neither, 1).computing(WantedEnd::Return)),
+            ("growth", made(Rule::Neither, 1).computing(WantedEnds::Growth)),
+            ("return", made(Rule::Neither, 1).computing(WantedEnds::Return)),
         ];
         let name = |question| format!("{method}-{number}-{question}");
         // Expansions carry nothing along.

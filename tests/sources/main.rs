@@ -1,4 +1,4 @@
-//! Promises of the sources: dependencies, sizes, prose, examples, the corpus of the fuzzers, and kernels
+//! Promises of the sources: sizes, prose, examples, the corpus of the fuzzers, and kernels
 //! that every driver takes.
 
 #[cfg(feature = "window")]

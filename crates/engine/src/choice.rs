@@ -10,7 +10,7 @@ use super::level::FINEST;
 use super::profile::{Profile, ProfileRow};
 use super::threads::threads_beside;
 use super::{
-    Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, WantedEnd, selfcheck,
+    Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, WantedEnds, selfcheck,
 };
 use flipmap_scene::QuestionSettings;
 
@@ -26,7 +26,7 @@ pub struct EngineRequest {
     /// The accuracy level or the configuration to compute with.
     pub setting: IntegrationSetting,
     /// The ends that the configuration has to compute, if any configuration of the level can.
-    pub ends: WantedEnd,
+    pub ends: WantedEnds,
     /// True if answers will be checked at levels other than `exact`, too (see [`EngineRequest::verifies`]).
     pub verify: bool,
     /// Settings of an adapter that change no answer.
@@ -41,7 +41,7 @@ impl EngineRequest {
     /// for these.
     #[must_use]
     pub fn answering(self, question: &QuestionSettings) -> Self {
-        let ends = WantedEnd::from(question.ask.kind().needs);
+        let ends = WantedEnds::from(question.ask.kind().needs);
         let is_named = self.kind.is_some() || self.adapter.is_some();
         let kind = if ends.are_carried() && !is_named { Some(EngineKind::Cpu) } else { self.kind };
         EngineRequest { kind, ends, ..self }
@@ -79,7 +79,7 @@ impl Default for EngineRequest {
             adapter: None,
             threads: None,
             setting,
-            ends: WantedEnd::None,
+            ends: WantedEnds::None,
             verify: false,
             tuning: GpuTuning::default(),
             own_thread: true,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::WantedEnd;
+use super::WantedEnds;
 use flipmap_pendulum::Accumulators;
 use flipmap_pendulum::phase::Phase;
 
@@ -63,14 +63,14 @@ pub(crate) const STARTS: [&str; 6] =
 pub(crate) const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
 
 /// Most numbers that a pendulum can carry along.
-pub(crate) const MAX_CARRIED: usize = 25;
+pub(crate) const MAX_CARRIED_NUMBERS: usize = 25;
 
 /// Names of the numbers that pendulums carry along for such ends, as devices keep them.
-pub(crate) fn carried_names(ends: WantedEnd) -> Vec<&'static str> {
+pub(crate) fn carried_names(ends: WantedEnds) -> Vec<&'static str> {
     match ends {
-        WantedEnd::None | WantedEnd::Plain => Vec::new(),
-        WantedEnd::Growth => [SLOPES.as_flattened(), &[LOG_SCALE]].concat(),
-        WantedEnd::Return => [&STARTS[..], &SEARCH].concat(),
+        WantedEnds::None | WantedEnds::Plain => Vec::new(),
+        WantedEnds::Growth => [SLOPES.as_flattened(), &[LOG_SCALE]].concat(),
+        WantedEnds::Return => [&STARTS[..], &SEARCH].concat(),
     }
 }
 
@@ -91,15 +91,15 @@ impl Carried {
     }
 
     /// The quantities that have these numbers, if pendulums carry any along for such ends.
-    fn from_numbers(ends: WantedEnd, numbers: &[f64]) -> Option<Self> {
+    fn from_numbers(ends: WantedEnds, numbers: &[f64]) -> Option<Self> {
         match ends {
-            WantedEnd::None | WantedEnd::Plain => None,
-            WantedEnd::Growth => {
+            WantedEnds::None | WantedEnds::Plain => None,
+            WantedEnds::Growth => {
                 let (slopes, rest) = numbers.as_chunks::<4>();
                 let slopes = slopes.try_into().ok()?;
                 Some(Carried::Tangents { slopes, log_scale: *rest.first()? })
             }
-            WantedEnd::Return => {
+            WantedEnds::Return => {
                 let &[.., has_left, distance, time] = numbers else { return None };
                 let start = numbers.get(..6)?.try_into().ok()?;
                 let nearest = [distance, time];
@@ -111,7 +111,7 @@ impl Carried {
 
 impl IntegratorState {
     /// A state from all its numbers: its own, and those that it carries along for such ends.
-    pub(crate) fn from_numbers(steps: u32, all: &[f64], ends: WantedEnd) -> Self {
+    pub(crate) fn from_numbers(steps: u32, all: &[f64], ends: WantedEnds) -> Self {
         let (own, carried) = all.split_at(NUMBERS);
         let mut numbers = [0.0; NUMBERS];
         numbers.copy_from_slice(own);

@@ -9,7 +9,7 @@ use flipmap_scene::question::Needs;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Keep {
     /// The ends of all pendulums.
-    pub ends: WantedEnd,
+    pub ends: WantedEnds,
     /// True for the states of pendulums unflipped at the end of the budget, so that they can be
     /// continued.
     pub states: bool,
@@ -17,7 +17,7 @@ pub struct Keep {
 
 /// The ends of pendulums (see [`FinalState`]) that a job returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum WantedEnd {
+pub enum WantedEnds {
     /// No ends.
     #[default]
     None,
@@ -31,11 +31,11 @@ pub enum WantedEnd {
 
 impl Keep {
     /// No states.
-    pub const NOTHING: Keep = Keep { ends: WantedEnd::None, states: false };
+    pub const NOTHING: Keep = Keep { ends: WantedEnds::None, states: false };
     /// The states of pendulums unflipped at the end of the budget.
-    pub const STATES: Keep = Keep { ends: WantedEnd::None, states: true };
+    pub const STATES: Keep = Keep { ends: WantedEnds::None, states: true };
     /// The end of each pendulum.
-    pub const ENDS: Keep = Keep { ends: WantedEnd::Plain, states: false };
+    pub const ENDS: Keep = Keep { ends: WantedEnds::Plain, states: false };
 
     /// Returns an error if an integrator config cannot compute what is kept.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
@@ -48,19 +48,19 @@ impl Keep {
     }
 }
 
-impl WantedEnd {
+impl WantedEnds {
     /// Returns true if pendulums carry numbers along for them (see [`super::Carried`]).
     pub fn are_carried(self) -> bool {
-        matches!(self, WantedEnd::Growth | WantedEnd::Return)
+        matches!(self, WantedEnds::Growth | WantedEnds::Return)
     }
 
     /// Returns an error if an integrator config cannot compute them.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
         let method = config.method;
         let is_eighth = matches!(method, Method::Dop853 { .. });
-        let why = if self == WantedEnd::Return && matches!(method, Method::Extrapolation { .. }) {
+        let why = if self == WantedEnds::Return && matches!(method, Method::Extrapolation { .. }) {
             "returns are not computed by midpoint rules"
-        } else if self == WantedEnd::Growth && is_eighth && config.precision == Precision::Df32 {
+        } else if self == WantedEnds::Growth && is_eighth && config.precision == Precision::Df32 {
             // Its kernel takes more than ten minutes to compile.
             "growth in df32 is computed by `method` dopri5"
         } else {
@@ -70,13 +70,13 @@ impl WantedEnd {
     }
 }
 
-impl From<Needs> for WantedEnd {
-    fn from(needs: Needs) -> WantedEnd {
+impl From<Needs> for WantedEnds {
+    fn from(needs: Needs) -> WantedEnds {
         match needs {
-            Needs::Outcome => WantedEnd::None,
-            Needs::End => WantedEnd::Plain,
-            Needs::Growth => WantedEnd::Growth,
-            Needs::Return => WantedEnd::Return,
+            Needs::Outcome => WantedEnds::None,
+            Needs::End => WantedEnds::Plain,
+            Needs::Growth => WantedEnds::Growth,
+            Needs::Return => WantedEnds::Return,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Engines: jobs of pendulum starts go in, their outcomes come out.
 //!
-//! An [`Engine`] knows nothing of pictures. It takes starts and a [`EventSpec`] and answers with one
+//! An [`Engine`] knows nothing of pictures. It takes starts and an [`EventSpec`] and answers with one
 //! outcome per start, in the same order, however it arranges the work to be fast. Four lifetimes
 //! nest here: `Gpu` (a device, as long as the process), `Kernel` (a compiled `Design`), `Slot` (the
 //! buffers of one job in flight) and the job itself, which is plain data.
@@ -29,6 +29,7 @@
 //! assert!(answers[0].time < 5.0);
 //! # Ok::<(), flipmap_engine::EngineError>(())
 //! ```
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 pub mod background;
 mod cells;
@@ -72,7 +73,7 @@ pub(crate) use gpu::GpuStats;
 pub use gpu::GpuTuning;
 pub(crate) use integrator_state::Carried;
 pub use integrator_state::{IntegratorState, NUMBERS};
-pub use keep::{Keep, WantedEnd};
+pub use keep::{Keep, WantedEnds};
 pub use kind::EngineKind;
 pub use level::Accuracy;
 pub use method::{Method, Precision};
@@ -82,7 +83,7 @@ pub use starts::{Deep, Leaf, Onset, Separable, StartList, Starts};
 pub(crate) use starts::{Moving, MovingStarts};
 pub use trust::Trust;
 
-/// The question that a job asks about each of its starts.
+/// The event that a job looks for from each of its starts, and until when.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventSpec {
     /// The pendulum; gravity must pull.
@@ -121,10 +122,10 @@ impl EventSpec {
     }
 
     /// The first moments of launches, for passes that answers with such ends tell or count.
-    pub(crate) fn opening(&self, ends: WantedEnd) -> Opening {
+    pub(crate) fn opening(&self, ends: WantedEnds) -> Opening {
         let (pendulum, unit_secs) = self.reduced_in::<Exact>();
         let bobs = match self.rule {
-            Rule::Neither if ends == WantedEnd::Plain => Rule::Either.watched(),
+            Rule::Neither if ends == WantedEnds::Plain => Rule::Either.watched(),
             rule => rule.watched(),
         };
         Opening::new(&pendulum, bobs, self.budget_secs / unit_secs.to_f64())

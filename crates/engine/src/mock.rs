@@ -6,7 +6,7 @@ use std::sync::mpsc::Sender;
 
 use super::{
     Effort, Engine, EngineError, EngineKind, FinalState, IntegratorState, Job, JobResult, Leaf,
-    Moving, NUMBERS, WantedEnd,
+    Moving, NUMBERS, WantedEnds,
 };
 use super::{EventSpec, IntegratorConfig, Onset, Starts, Wait};
 use flipmap_numbers::Dd;
@@ -147,7 +147,7 @@ impl Engine for MockEngine {
             .collect();
         let effort = Effort { rhs_evaluations: angles.len() as u64, ..Effort::default() };
         let end = |outcome: &Outcome| FinalState { time: outcome.time, ..FinalState::NOWHERE };
-        let ended = outcomes.iter().filter(|_| keep.ends == WantedEnd::Plain);
+        let ended = outcomes.iter().filter(|_| keep.ends == WantedEnds::Plain);
         let ends: Vec<FinalState> = ended.map(end).collect();
         Ok(vec![JobResult { id, outcomes, unfinished, ends, effort, ..JobResult::default() }])
     }

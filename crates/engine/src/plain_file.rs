@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Largest size in bytes of a text file: a scene, a film's keys or a plan. Far above that of a film of
 /// 100,000 keys.
-const MAX_OF_TEXT: u64 = 64 << 20;
+const MAX_TEXT_BYTES: u64 = 64 << 20;
 
 /// Opens a file for reading; refuses a pipe, a device or a folder, without waiting for one.
 pub fn open_plain(path: &Path) -> io::Result<File> {
@@ -46,7 +46,7 @@ pub fn read_plain(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 
 /// Reads a text file of the size that a scene, a film's keys or a plan can have.
 pub fn read_text(path: &Path) -> io::Result<String> {
-    let text = String::from_utf8(read_plain(path, MAX_OF_TEXT)?);
+    let text = String::from_utf8(read_plain(path, MAX_TEXT_BYTES)?);
     text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
 }
 

@@ -13,7 +13,7 @@ use super::number_parts::{parts, time_parts, vectors};
 use super::pace::Pace;
 use super::{
     Carried, EngineError, EventSpec, FinalState, IntegratorConfig, IntegratorState, Job, Method,
-    Moving, NUMBERS, Onset, Precision, Starts, WantedEnd,
+    Moving, NUMBERS, Onset, Precision, Starts, WantedEnds,
 };
 use flipmap_numbers::dual::Dual;
 use flipmap_numbers::{Dd, Scalar};
@@ -48,7 +48,7 @@ pub(crate) const STEP: usize = 14;
 pub(crate) fn places(
     state: &[&str],
     precision: Precision,
-    ends: WantedEnd,
+    ends: WantedEnds,
 ) -> Vec<[Option<usize>; 2]> {
     let phase = [&PHASE[..], &carried_names(ends)].concat();
     let all: &[&str] = if state.contains(&"h") { &phase } else { &ANGLES };
@@ -124,18 +124,18 @@ fn beside_top(job: &Job, reduced: &(Pendulum<Dd>, Dd), moments: &FirstMoments) -
 /// Refuses paused pendulums that do not carry what the job returns.
 pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     let carries = |state: &IntegratorState| match (job.keep.ends, state.carried.as_deref()) {
-        (WantedEnd::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
-        (WantedEnd::Return, carried) => matches!(carried, Some(Carried::Return { .. })),
+        (WantedEnds::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
+        (WantedEnds::Return, carried) => matches!(carried, Some(Carried::Return { .. })),
         _ => true,
     };
     let is_possible = match &job.starts {
         Starts::Rest(_) | Starts::Upright(_) | Starts::Thrown(_) | Starts::Mixed { .. } => true,
         Starts::Resumed { states, .. } => states.iter().all(carries),
         Starts::Moving(moving) => match job.keep.ends {
-            WantedEnd::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
+            WantedEnds::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
             ends => !ends.are_carried(),
         },
-        Starts::Deep(_) => job.keep.ends != WantedEnd::Return,
+        Starts::Deep(_) => job.keep.ends != WantedEnds::Return,
     };
     if is_possible {
         return Ok(());
@@ -147,7 +147,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
 /// The states in which a job's pendulums begin, with everything that they carry along.
 pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let (reduced, _) = job.question.reduced();
-    if let (Starts::Moving(moving), WantedEnd::Growth) = (&job.starts, job.keep.ends) {
+    if let (Starts::Moving(moving), WantedEnds::Growth) = (&job.starts, job.keep.ends) {
         let pace = job.pace()?;
         let nudged = moving.states.iter().map(|moving| {
             let nudges = moving.nudges.as_ref()?;
@@ -162,7 +162,7 @@ pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let pace = Pace::new(&job.question, &job.config)?;
     let begun = |state: IntegratorState| match (&state.carried, job.keep.ends) {
         (Some(_), _) => state,
-        (None, WantedEnd::Growth) => with_tangents(&reduced, (&job.config, &pace), &state),
+        (None, WantedEnds::Growth) => with_tangents(&reduced, (&job.config, &pace), &state),
         (None, _) => with_start(&reduced, &pace, state),
     };
     Ok(states.into_iter().map(begun).collect())

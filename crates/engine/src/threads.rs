@@ -2,7 +2,7 @@
 
 /// Largest number of threads for each core: more would only keep the machine busy with switching
 /// between them.
-const MAX_PER_CORE: usize = 2;
+const MAX_THREADS_PER_CORE: usize = 2;
 
 /// Number of threads of a pool by default: one per core, or as many as `RAYON_NUM_THREADS` says, at most
 /// two per core. Several pools can be at work: that of the engine, that of deep starts, and that of the
@@ -14,7 +14,7 @@ pub fn default_threads() -> usize {
 
 /// Number of threads of a pool beside one of `chosen` threads: as many, at most two per core.
 pub fn threads_beside(chosen: Option<usize>) -> Option<usize> {
-    chosen.map(|threads| threads.min(MAX_PER_CORE * cores()))
+    chosen.map(|threads| threads.min(MAX_THREADS_PER_CORE * cores()))
 }
 
 fn cores() -> usize {
@@ -23,7 +23,7 @@ fn cores() -> usize {
 
 fn bounded(said: Option<&str>, cores: usize) -> Option<usize> {
     let threads: usize = said?.parse().ok().filter(|threads| *threads > 0)?;
-    Some(threads.min(MAX_PER_CORE * cores))
+    Some(threads.min(MAX_THREADS_PER_CORE * cores))
 }
 
 #[cfg(test)]

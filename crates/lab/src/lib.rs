@@ -2,7 +2,7 @@
 //!
 //! Each figure is a [`LiveFigure`]: a state that advances in fixed steps whatever the frame rate, a
 //! drawing, controls, and its data as CSV. A window shows one at a time; [`still`] draws one
-//! without a window. The physics is the core's: no equation is written here. The seventh figure is
+//! without a window. The physics is `flipmap_pendulum`'s: no equation is written here. The seventh figure is
 //! the map itself; [`flips`] explains it.
 //!
 //! ```
@@ -12,6 +12,7 @@
 //! let data = lab.live().unwrap().csv(2.0);
 //! assert!(data.lines().count() > 10, "a header and two seconds of motion");
 //! ```
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 pub mod chart;
 mod clock;

@@ -14,6 +14,7 @@
 //! let error = third * Dd::new(3.0) - Dd::ONE;
 //! assert!(error.hi().abs() < 1e-31);
 //! ```
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 pub mod dd;
 mod decimal;

@@ -21,6 +21,7 @@
 //! let outcome = oracle::outcome(&pendulum, released, Rule::Second, 30.0);
 //! println!("{:?} after {} units of time", outcome.status, outcome.time);
 //! ```
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 mod accumulators;
 pub mod control;

@@ -20,6 +20,7 @@
 //! println!("{:?} in the corner", samples.get(0).status);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 pub mod farm;
 pub mod film;

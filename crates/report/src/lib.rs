@@ -12,6 +12,7 @@
 //!     println!("{}: {}", case.name, case.why);
 //! }
 //! ```
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 mod backend;
 pub mod baseline;

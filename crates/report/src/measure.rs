@@ -16,11 +16,11 @@ const FIRST_STARTS: usize = 64;
 const MIN_STARTS: usize = 256;
 /// Least number of starts for a fast config: the last, longest pendulums must not take most of the
 /// time. Graphics cards, including software ones, need full jobs to show their speed.
-const MIN_STARTS_OF_FAST: usize = 1 << 14;
-/// Least number of starts for a fast config on an adapter; see [`MIN_STARTS_OF_FAST`].
-const MIN_STARTS_OF_GPU: usize = 1 << 16;
+const MIN_FAST_STARTS: usize = 1 << 14;
+/// Least number of starts for a fast config on an adapter; see [`MIN_FAST_STARTS`].
+const MIN_GPU_STARTS: usize = 1 << 16;
 /// Least number of starts for a fast config with checks; see [`least_starts_of_exact`].
-const MIN_STARTS_OF_EXACT: usize = 1 << 17;
+const MIN_EXACT_STARTS: usize = 1 << 17;
 
 /// The context of a measurement besides an engine and a config.
 pub(super) struct Bench<'a> {
@@ -211,15 +211,15 @@ impl Bench<'_> {
 pub(super) fn least_starts(config: &IntegratorConfig, is_gpu: bool) -> usize {
     match (is_slow(config), is_gpu) {
         (true, _) => MIN_STARTS,
-        (false, true) => MIN_STARTS_OF_GPU,
-        (false, false) => MIN_STARTS_OF_FAST,
+        (false, true) => MIN_GPU_STARTS,
+        (false, false) => MIN_FAST_STARTS,
     }
 }
 
 /// Least number of starts where each is checked: several jobs must be in flight, because each waits
 /// for its most doubtful pixel.
 pub(super) fn least_starts_of_exact(config: &IntegratorConfig) -> usize {
-    if is_slow(config) { MIN_STARTS } else { MIN_STARTS_OF_EXACT }
+    if is_slow(config) { MIN_STARTS } else { MIN_EXACT_STARTS }
 }
 
 fn is_slow(config: &IntegratorConfig) -> bool {

@@ -6,7 +6,7 @@ use crate::test_set::{open_starts, spread};
 use flipmap_engine::EventSpec;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Rule};
-use flipmap_scene::{Kind, PendulumSpec, QuestionSettings as Asked, Scene, View};
+use flipmap_scene::{Kind, PendulumSpec, QuestionSettings, Scene, View};
 
 /// Pixels along each side of a window from which the open starts are taken.
 const SIDE: u32 = 96;
@@ -98,7 +98,7 @@ impl Window {
     /// The window as a scene.
     pub(super) fn scene(&self) -> Scene {
         let (center, width) = (self.center.map(str::to_string), self.width.to_string());
-        let question = Asked { rule: self.rule, ..Asked::default() };
+        let question = QuestionSettings { rule: self.rule, ..QuestionSettings::default() };
         let view = View { center, width, ..View::default() };
         Scene { build: (self.build)(), question, view, ..Scene::default() }
     }

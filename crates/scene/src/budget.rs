@@ -27,11 +27,11 @@ const PIXEL_DECADES: f64 = 3.0;
 const UNITS_A_DECADE: f64 = 10.44;
 /// Longest time that growth is waited for, as a multiple of [`UNITS_A_DECADE`]: in views wider than
 /// a few thousandths of a radian the middle says little about the rest.
-const MAX_WAITED: f64 = 3.0;
+const MAX_GROWTH_WAIT: f64 = 3.0;
 /// Step of automatic budgets in units of time, so that moving a little recomputes nothing.
 const STEP_UNITS: f64 = 15.660_459_763_365_825;
 /// Number of settled budgets that are kept.
-const MAX_SETTLED: usize = 64;
+const MAX_SETTLED_BUDGETS: usize = 64;
 
 /// The automatic budgets settled last, in s: a scene is settled many times on its way.
 static SETTLED: Mutex<VecDeque<(PendulumSpec, View, f64)>> = Mutex::new(VecDeque::new());
@@ -64,7 +64,7 @@ impl Budget {
         let secs = known(build, view).unwrap_or_else(|| {
             let secs = settle(build, view);
             let mut settled = SETTLED.lock().unwrap_or_else(PoisonError::into_inner);
-            settled.truncate(MAX_SETTLED - 1);
+            settled.truncate(MAX_SETTLED_BUDGETS - 1);
             settled.push_front((*build, view.clone(), secs));
             secs
         });
@@ -93,7 +93,7 @@ fn known(build: &PendulumSpec, view: &View) -> Option<f64> {
 /// The automatic budget of a view, in s.
 fn settle(build: &PendulumSpec, view: &View) -> f64 {
     let width = view.width_rad().to_f64();
-    let most = MAX_WAITED * UNITS_A_DECADE * decades(width);
+    let most = MAX_GROWTH_WAIT * UNITS_A_DECADE * decades(width);
     let grown = || {
         let (pendulum, _) = build.reduced_in();
         time_to_grow(&pendulum, view.center_rad(), decades(width) + PIXEL_DECADES, most)

@@ -1,6 +1,6 @@
 //! The content of a picture as plain data, never how it is computed.
 //!
-//! A [`Scene`] is a pendulum ([`PendulumSpec`]), a question ([`QuestionSettings`], of the kinds in
+//! A [`Scene`] is a pendulum ([`PendulumSpec`]), a question ([`QuestionSettings`], one of those in
 //! [`question`]), a [`Plane`] of starts and a [`View`] of it. Two scenes are the same work exactly
 //! when their pendulums and questions are equal; the view only selects the starts, which a [`Grid`]
 //! finds for each pixel. A [`Document`] is a scene as people keep it: a TOML file, or the text
@@ -14,6 +14,7 @@
 //! assert_eq!(document.scene().view.width, "0.5");
 //! # Ok::<(), flipmap_scene::DocumentError>(())
 //! ```
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 mod angle_text;
 mod budget;

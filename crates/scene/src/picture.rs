@@ -162,7 +162,7 @@ impl PictureTable {
     /// Samples per pixel along each axis where colours change, in adaptive sampling.
     pub const ADAPTIVE: u32 = 3;
     /// Largest number of pixels of a picture that is sampled adaptively: all are held at once.
-    const MAX_ADAPTIVE: u64 = 1 << 25;
+    const MAX_ADAPTIVE_PIXELS: u64 = 1 << 25;
     /// Range of the number of times that the palette can be run through.
     pub const CYCLES: std::ops::RangeInclusive<f64> = 1.0..=100.0;
     /// Range of the palette's offset.
@@ -221,7 +221,7 @@ impl PictureTable {
 
     /// Returns true if all pixels of a picture can be held at once.
     fn fits_adaptive(size: [u32; 2]) -> bool {
-        size.into_iter().map(u64::from).product::<u64>() <= Self::MAX_ADAPTIVE
+        size.into_iter().map(u64::from).product::<u64>() <= Self::MAX_ADAPTIVE_PIXELS
     }
 
     /// The part of a question's answers that is shown.

@@ -12,7 +12,7 @@ use flipmap_numbers::{Dd, Exact, Scalar};
 pub const MIN_WIDTH: f64 = 1e-100;
 
 /// Largest error of a centre that stands for π, as a share of the view's width.
-const MAX_ERROR_OF_PI: f64 = 1e-15;
+const MAX_PI_ERROR: f64 = 1e-15;
 
 /// A centre, a width, and the way the picture lies on the plane. Coordinates are decimal strings,
 /// so that no digit is lost between a file and the arithmetic.
@@ -91,7 +91,7 @@ impl View {
     /// The centre in rad; call [`View::check`] first. A coordinate that differs from ±π only in its
     /// last digits, far below a pixel, counts as exactly ±π, so that symmetry is detected.
     pub fn center_rad(&self) -> [Exact; 2] {
-        let error_rad = MAX_ERROR_OF_PI * self.width_rad().hi;
+        let error_rad = MAX_PI_ERROR * self.width_rad().hi;
         self.center.each_ref().map(|text| {
             let theta = Exact::parse(text).unwrap_or_default();
             let pi = if theta < Exact::ZERO { -Exact::pi() } else { Exact::pi() };

@@ -1,11 +1,11 @@
-//! The numbers of a scene as words: `rule` as an option, a key, or in a location as `rule=either`.
+//! The settings of a scene as text: `rule` as an option, a key, or in a location as `rule=either`.
 
 use super::{Axis, Kind, Plane, PlaneKind, QuestionSettings, Scene, SceneError};
 use crate::question::QuestionName;
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
 
-/// One number of a scene, or a pair of numbers, that has a name.
+/// A setting of a scene: a number, a pair of numbers or a word, with its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
     /// Centre of the view, θ1 and θ2.

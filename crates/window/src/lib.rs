@@ -24,6 +24,7 @@
 //! window::run(options, Instant::now(), |_close| {})?;
 //! # Ok::<(), window::WindowError>(())
 //! ```
+#![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 pub mod action;
 mod answerable;

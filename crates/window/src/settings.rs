@@ -147,7 +147,7 @@ impl Default for Settings {
 
 impl Settings {
     /// Largest number of recent files kept.
-    pub(crate) const MAX_RECENT: usize = 10;
+    pub(crate) const MAX_RECENT_FILES: usize = 10;
     /// Range of the scale of the interface.
     pub(crate) const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
     /// Range of the size of the cache in MiB.
@@ -158,7 +158,7 @@ impl Settings {
         let Some(path) = path.to_str() else { return };
         self.recent.retain(|other| other != path);
         self.recent.insert(0, path.to_string());
-        self.recent.truncate(Self::MAX_RECENT);
+        self.recent.truncate(Self::MAX_RECENT_FILES);
     }
 
     /// Returns the nearest scale of the interface that is in range.
@@ -171,7 +171,7 @@ impl Settings {
         let scale = if self.ui_scale.is_nan() { 1.0 } else { self.ui_scale };
         self.ui_scale = Self::within_ui_scales(scale);
         self.cache_mib = self.cache_mib.clamp(*Self::CACHE_MIB.start(), *Self::CACHE_MIB.end());
-        self.recent.truncate(Self::MAX_RECENT);
+        self.recent.truncate(Self::MAX_RECENT_FILES);
         self
     }
 }

@@ -42,7 +42,7 @@ use super::pace::{Adaptive, Pace, Steps};
 use super::threads::default_threads;
 use super::{
     Engine, EngineError, EngineKind, FinalState, IntegratorConfig, Job, JobResult, Keep, Method,
-    Precision, Wait, WantedEnd, start,
+    Precision, Wait, WantedEnds, start,
 };
 use flipmap_numbers::Dd;
 use flipmap_numbers::trig::Turning;
@@ -117,7 +117,7 @@ impl CpuEngine {
         let flying = self.flying.get_mut(&landed.job)?;
         let FinishedChunk { first, answer, job } = landed;
         let count = answer.outcomes.len();
-        if flying.keep.ends != WantedEnd::None {
+        if flying.keep.ends != WantedEnds::None {
             let ends = &mut flying.finished.ends;
             ends.resize(flying.finished.outcomes.len(), FinalState::NOWHERE);
             ends[first..first + count].copy_from_slice(&answer.ends);
@@ -269,8 +269,8 @@ impl WithSimd for ChunkInFlight<'_> {
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
         match self.chunk.keep.ends {
             ends if ends.are_carried() && self.is_taylor() => return self.in_taylor_steps(),
-            WantedEnd::Growth => return self.growth(set),
-            WantedEnd::Return => return self.nearest(),
+            WantedEnds::Growth => return self.growth(set),
+            WantedEnds::Return => return self.nearest(),
             _ => {}
         }
         match self.chunk.pace {
@@ -313,8 +313,8 @@ impl ChunkInFlight<'_> {
         let pace = self.chunk.pace.steady(self.chunk.config.method, order);
         let chunk = Chunk { pace, ..*self.chunk };
         match (chunk.keep.ends, is_dd) {
-            (WantedEnd::Growth, false) => growing::run::<f64, TaylorPair<N>>(&chunk),
-            (WantedEnd::Growth, true) => growing::run::<Dd, TaylorPair<M>>(&chunk),
+            (WantedEnds::Growth, false) => growing::run::<f64, TaylorPair<N>>(&chunk),
+            (WantedEnds::Growth, true) => growing::run::<Dd, TaylorPair<M>>(&chunk),
             (_, false) => nearest::run::<f64, TaylorPair<N>>(&chunk),
             (_, true) => nearest::run::<Dd, TaylorPair<M>>(&chunk),
         }

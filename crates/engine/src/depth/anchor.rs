@@ -18,9 +18,9 @@ use flipmap_scene::lattice::{Cell, side_rad};
 const EVERY: u32 = 6;
 /// Least number of levels from an anchor down to a leaf, so that a view seldom needs more than two
 /// anchors. The rounding error of f64 below the anchor doubles with every level.
-const MIN_BELOW: u32 = 6;
+const MIN_LEVELS_BELOW: u32 = 6;
 /// Largest number of levels from an anchor down to a leaf.
-pub(super) const DEEPEST_BELOW: u32 = MIN_BELOW + EVERY - 1;
+pub(super) const MAX_LEVELS_BELOW: u32 = MIN_LEVELS_BELOW + EVERY - 1;
 /// Largest number of anchors that are kept.
 const MAX_ANCHORS: usize = 64;
 /// Reduced time between two checks for cancellation.
@@ -36,7 +36,7 @@ pub(super) struct Anchor {
 
 /// The level of the anchors of leaves.
 pub(super) fn anchor_level(leaf: u32) -> u32 {
-    leaf.saturating_sub(MIN_BELOW) / EVERY * EVERY
+    leaf.saturating_sub(MIN_LEVELS_BELOW) / EVERY * EVERY
 }
 
 /// Number of decimal digits in which the anchors of leaves of a level are followed.
@@ -79,7 +79,7 @@ impl DomainSplitting {
     /// An anchor at its start, with the digits that the differences of its cells from it need.
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
-        let holds = node.patch.holds(&self.dynamics, self.tolerance(DEEPEST_BELOW as i32));
+        let holds = node.patch.holds(&self.dynamics, self.tolerance(MAX_LEVELS_BELOW as i32));
         let middle = holds.then(|| self.reduced(cell, [0.0; 2])).flatten();
         let reference =
             middle.map(|(pendulum, start)| reference(&pendulum, &start, bits_for(cell.level)));
@@ -144,7 +144,7 @@ impl DomainSplitting {
         if !anchor.node.settle_edge() {
             return Some(None);
         }
-        let tolerance = self.tolerance(DEEPEST_BELOW as i32);
+        let tolerance = self.tolerance(MAX_LEVELS_BELOW as i32);
         let unit_secs = self.build.unit_secs();
         loop {
             if let Some(end) = &anchor.end {

@@ -1,6 +1,6 @@
 //! Selections of deep starts, and their exact states.
 
-use crate::{Deep, EventSpec, Leaf, StartList, Starts, WantedEnd};
+use crate::{Deep, EventSpec, Leaf, StartList, Starts, WantedEnds};
 use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::{Launch, State};
@@ -45,7 +45,7 @@ impl Deep {
 
     /// The starts for an integration from their release, to the precision of double-double, or of more
     /// beside the top.
-    pub(crate) fn rounded(&self, question: &EventSpec, ends: WantedEnd) -> Starts {
+    pub(crate) fn rounded(&self, question: &EventSpec, ends: WantedEnds) -> Starts {
         let opening = question.opening(ends);
         let unit_secs = question.reduced_in::<Exact>().1;
         let mut starts = StartList::default();

@@ -3,7 +3,7 @@
 //!
 //! An anchor's middle is followed in as many digits as its depth needs. Everything below it is a
 //! difference from it, for which f64 has digits enough: a leaf lies at most
-//! [`DEEPEST_BELOW`](super::anchor::DEEPEST_BELOW) levels below its anchor.
+//! [`MAX_LEVELS_BELOW`](super::anchor::MAX_LEVELS_BELOW) levels below its anchor.
 //!
 //! A cell is cut into quarters as long as its states differ in two directions. Energy is conserved,
 //! so one direction grows far beyond the other; from then on cells are cut across it only, and what
@@ -31,7 +31,7 @@ use super::anchor::{Anchor, anchor_level};
 use super::finished_patch::{FinishedPatch, PartKey};
 use super::following::Following;
 use super::part::{Branch, BranchState, Cut, PlacedStart, SplitNode, SplitPart};
-use crate::{Deep, EventSpec, Leaf, Moving, WantedEnd};
+use crate::{Deep, EventSpec, Leaf, Moving, WantedEnds};
 use flipmap_numbers::frame::Frame;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::crossing::FAR;
@@ -48,15 +48,15 @@ const TOLERANCE: f64 = 1e-12;
 /// The same tolerance for strict start maps, which check others and share no cut with them.
 const STRICT_TOLERANCE: f64 = 1e-13;
 /// Largest number of finished patches that are kept, of some 2 kB each.
-const MAX_FINISHED: usize = 20_000;
+const MAX_FINISHED_PATCHES: usize = 20_000;
 /// Largest extent of a strip's states along the bands, as a share of their extent across them.
-const MAX_ALONG: f64 = 0.25;
+const MAX_EXTENT_ALONG: f64 = 0.25;
 /// Least width of strips that are lines, in levels relative to leaves. There are few of them, and
 /// what is followed in one need not be integrated for every pixel.
-const MIN_ACROSS: i32 = -3;
+const MIN_STRIP_WIDTH_LEVEL: i32 = -3;
 /// Least area of strips that are not lines, in levels relative to leaves: following a smaller one
 /// costs more than integrating its pixels (measured).
-const MIN_AREA: i32 = -3;
+const MIN_STRIP_AREA_LEVEL: i32 = -3;
 /// Growth of the largest nudge beyond which all other nudges have grown into it, to one part in
 /// this number.
 const ALIGNED: f64 = 1e4;
@@ -103,7 +103,7 @@ pub(super) struct Distribution {
 
 impl DomainSplitting {
     pub(super) fn new(question: &EventSpec, deep: &Deep, nudges: bool) -> Self {
-        let ends = if nudges { WantedEnd::Growth } else { WantedEnd::Plain };
+        let ends = if nudges { WantedEnds::Growth } else { WantedEnds::Plain };
         DomainSplitting {
             dynamics: Dynamics::new(question.reduced().0, question.rule),
             build: question.build,
@@ -207,7 +207,7 @@ impl DomainSplitting {
         let patch = Arc::new(FinishedPatch::new((&self.plane, part), node, end, wanted.budget));
         if !wanted.cancelled.load(Ordering::Relaxed) {
             let mut kept = self.finished.lock().unwrap_or_else(|broken| broken.into_inner());
-            if kept.len() >= MAX_FINISHED {
+            if kept.len() >= MAX_FINISHED_PATCHES {
                 kept.clear();
             }
             kept.insert(part.key, patch.clone());
@@ -350,8 +350,8 @@ impl DomainSplitting {
             return Some([true, along > 0 && is_long]);
         }
         let axes = if finished.curve(&self.dynamics).is_some() {
-            [across > MIN_ACROSS && !is_long, false]
-        } else if across + along > MIN_AREA {
+            [across > MIN_STRIP_WIDTH_LEVEL && !is_long, false]
+        } else if across + along > MIN_STRIP_AREA_LEVEL {
             [true, false]
         } else {
             [false; 2]
@@ -362,7 +362,7 @@ impl DomainSplitting {
     /// Returns true if the states of a patch also differ along the second axis.
     fn is_long(&self, patch: &FlowPatch) -> bool {
         let [across, along] = patch.extents(&self.dynamics);
-        along > MAX_ALONG * across
+        along > MAX_EXTENT_ALONG * across
     }
 }
 

@@ -53,7 +53,7 @@ pub(super) struct FinishedPatch {
 
 /// Largest residual of a patch that is taken for a line, as a share of half its length along the
 /// curve.
-const MAX_ASIDE: f64 = 1e-4;
+const MAX_RESIDUAL: f64 = 1e-4;
 
 impl FinishedPatch {
     /// A part of a plane that was to be followed to a budget, with the reason why it ended.
@@ -123,7 +123,7 @@ impl FinishedPatch {
     /// The curve on which the states of all starts lie, if they lie on one. Those of starts that are
     /// forbidden or flipped in a graze are continued as if they were not.
     pub(super) fn curve(&self, dynamics: &Dynamics) -> Option<&PatchCurve> {
-        let find = || self.is_open().then(|| self.patch.curve(dynamics, MAX_ASIDE)).flatten();
+        let find = || self.is_open().then(|| self.patch.curve(dynamics, MAX_RESIDUAL)).flatten();
         self.curve.get_or_init(find).as_ref()
     }
 

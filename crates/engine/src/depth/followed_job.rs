@@ -14,7 +14,7 @@ use super::part::PlacedStart;
 use super::stats::DepthStats;
 use crate::{
     Deep, Effort, EventSpec, FinalState, IntegratorState, Job, JobResult, Method, Moving,
-    MovingStarts, Precision, Starts, WantedEnd,
+    MovingStarts, Precision, Starts, WantedEnds,
 };
 use flipmap_pendulum::Outcome;
 use flipmap_pendulum::flow_patch::Dynamics;
@@ -34,8 +34,8 @@ pub(super) struct PartialResult {
     pub ends: Vec<FinalState>,
     /// States of the starts that are unflipped, if they are kept.
     pub unfinished: Vec<(usize, IntegratorState)>,
-    /// Number of its takeoffs that have not come back.
-    pub takeoffs: usize,
+    /// Number of its sub_jobs that have not come back.
+    pub sub_jobs: usize,
     /// Indices of the starts that have to be integrated one by one, and the states they are in.
     pub moving: Vec<(usize, Moving)>,
     /// The job's lines, while samples of these are integrated.
@@ -117,13 +117,13 @@ impl PartialResult {
     /// A job of forbidden starts.
     fn of_forbidden(job: Job, count: usize) -> Self {
         let (outcome, end) = FORBIDDEN;
-        let ends = if job.keep.ends == WantedEnd::None { 0 } else { count };
+        let ends = if job.keep.ends == WantedEnds::None { 0 } else { count };
         PartialResult {
             job,
             outcomes: vec![outcome; count],
             ends: vec![end; ends],
             unfinished: Vec::new(),
-            takeoffs: 0,
+            sub_jobs: 0,
             moving: Vec::new(),
             lines: None,
             on_lines: Vec::new(),
@@ -219,5 +219,5 @@ impl PartialResult {
 /// only outcomes, by a method whose errors are far smaller than the differences between neighbours.
 pub(super) fn may_use_lines(job: &Job) -> bool {
     let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
-    adaptive && job.config.precision != Precision::F32 && job.keep.ends == WantedEnd::None
+    adaptive && job.config.precision != Precision::F32 && job.keep.ends == WantedEnds::None
 }

@@ -42,7 +42,7 @@ const FAR: f64 = 0.1;
 /// measured). Starts whose residual could count are integrated alone, so that this is no error.
 const RESIDUAL: f64 = 4.0;
 /// Least number of starts that have to confirm a line.
-const MIN_CONFIRMING: usize = 2;
+const MIN_CONFIRMATIONS: usize = 2;
 
 /// A pendulum of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -135,7 +135,7 @@ impl LineCheck<'_> {
                     None => {}
                 }
             }
-            if confirming >= MIN_CONFIRMING {
+            if confirming >= MIN_CONFIRMATIONS {
                 return LineVerdict::Confirmed;
             }
         }

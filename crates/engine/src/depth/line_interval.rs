@@ -28,7 +28,7 @@ const SHARE: f64 = 0.2;
 /// between two samples.
 const CLEAR: f64 = 4.0;
 /// Largest distance between neighbouring ends that still belong together.
-const MAX_APART: f64 = 0.3;
+const MAX_END_DISTANCE: f64 = 0.3;
 
 /// An interval of s, from `place` · 2^−`level` to (`place` + 1) · 2^−`level`, with starts in it.
 pub(super) struct Interval {
@@ -170,7 +170,7 @@ impl IntervalVerdict {
 impl Sample {
     /// Returns true if it ends as its neighbour does, near it; false for NaN.
     fn belongs_to(&self, neighbour: &Sample) -> bool {
-        self.distance(neighbour) <= MAX_APART
+        self.distance(neighbour) <= MAX_END_DISTANCE
     }
 
     /// The distance of another end, infinite if only one of the two has flipped.

@@ -60,7 +60,7 @@ use self::takeoff::{Purpose, SubJob, by_time};
 use super::threads::default_threads;
 use super::{
     Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, JobResult, Keep, Moving,
-    Starts, Wait, WantedEnd,
+    Starts, Wait, WantedEnds,
 };
 
 /// An engine that follows deep starts for the engine that it wraps.
@@ -71,8 +71,8 @@ pub struct DepthEngine<'a> {
     /// Deep jobs by identifier; none for those whose cells are being followed.
     deep: HashMap<u64, Option<PartialResult>>,
     /// Takeoffs of deep jobs, by the identifiers of the wrapped engine's jobs.
-    takeoffs: HashMap<u64, SubJob>,
-    next_takeoff: u64,
+    sub_jobs: HashMap<u64, SubJob>,
+    next_sub_job: u64,
     /// Jobs for which the wrapped engine has no free slot yet.
     waiting: VecDeque<Job>,
     flying: usize,
@@ -91,7 +91,7 @@ pub struct DepthEngine<'a> {
 }
 
 /// Identifier of the first takeoff, far above those of jobs that are passed on.
-const FIRST_TAKEOFF: u64 = 1 << 63;
+const FIRST_SUB_JOB: u64 = 1 << 63;
 
 /// Longest wait for one source of answers before the other is polled.
 const TURN: Duration = Duration::from_millis(2);
@@ -110,8 +110,8 @@ impl<'a> DepthEngine<'a> {
             pool,
             splittings: Splittings::default(),
             deep: HashMap::new(),
-            takeoffs: HashMap::new(),
-            next_takeoff: FIRST_TAKEOFF,
+            sub_jobs: HashMap::new(),
+            next_sub_job: FIRST_SUB_JOB,
             waiting: VecDeque::new(),
             flying: 0,
             following: 0,
@@ -147,7 +147,7 @@ impl<'a> DepthEngine<'a> {
 
     fn follow(&mut self, job: Job) {
         let Starts::Deep(deep) = &job.starts else { return };
-        let nudges = job.keep.ends == WantedEnd::Growth;
+        let nudges = job.keep.ends == WantedEnds::Growth;
         let splitting = splitting_of(
             &self.splittings,
             #[cfg(feature = "sabotage")]
@@ -178,8 +178,8 @@ impl<'a> DepthEngine<'a> {
                 Need::Samples(wanted) => {
                     for (since, group) in by_time(wanted) {
                         let (places, states) = group.into_iter().unzip();
-                        let load = Purpose::Samples(places);
-                        self.depart(&mut awaited, Keep::ENDS, load, since, states);
+                        let purpose = Purpose::Samples(places);
+                        self.depart(&mut awaited, Keep::ENDS, purpose, since, states);
                     }
                     awaited.lines = Some(lines);
                 }
@@ -191,7 +191,7 @@ impl<'a> DepthEngine<'a> {
                 let keep = awaited.job.keep;
                 self.depart(&mut awaited, keep, Purpose::Starts(starts), since, states);
             }
-            if awaited.takeoffs == 0 {
+            if awaited.sub_jobs == 0 {
                 self.deep.remove(&awaited.job.id);
                 return Some(awaited.result());
             }
@@ -205,14 +205,14 @@ impl<'a> DepthEngine<'a> {
         &mut self,
         awaited: &mut PartialResult,
         keep: Keep,
-        load: Purpose,
+        purpose: Purpose,
         since: f64,
         states: Vec<Moving>,
     ) {
-        let id = self.next_takeoff;
-        self.next_takeoff += 1;
-        awaited.takeoffs += 1;
-        self.takeoffs.insert(id, SubJob { job: awaited.job.id, load });
+        let id = self.next_sub_job;
+        self.next_sub_job += 1;
+        awaited.sub_jobs += 1;
+        self.sub_jobs.insert(id, SubJob { job: awaited.job.id, purpose });
         self.waiting.push_back(SubJob::job(id, &awaited.job, keep, since, states));
     }
 
@@ -220,13 +220,13 @@ impl<'a> DepthEngine<'a> {
     /// belongs to none, the result itself.
     fn take_finished(&mut self, finished: JobResult) -> Vec<JobResult> {
         self.flying -= 1;
-        let Some(SubJob { job, load }) = self.takeoffs.remove(&finished.id) else {
+        let Some(SubJob { job, purpose }) = self.sub_jobs.remove(&finished.id) else {
             return vec![finished];
         };
         let Some(Some(awaited)) = self.deep.get_mut(&job) else { return Vec::new() };
-        awaited.takeoffs -= 1;
+        awaited.sub_jobs -= 1;
         awaited.effort += finished.effort;
-        match load {
+        match purpose {
             Purpose::Samples(places) => {
                 samples_of(&mut self.samples, &awaited.job).insert(places, &finished);
             }
@@ -235,10 +235,10 @@ impl<'a> DepthEngine<'a> {
         self.landed()
     }
 
-    /// Continues the jobs that have no takeoffs in flight, because theirs are complete or because
+    /// Continues the jobs that have no sub_jobs in flight, because theirs are complete or because
     /// they wait for samples of other jobs; returns the results of those that are complete.
     fn landed(&mut self) -> Vec<JobResult> {
-        let is_ready = |awaited: &PartialResult| awaited.takeoffs == 0;
+        let is_ready = |awaited: &PartialResult| awaited.sub_jobs == 0;
         let mut ready: Vec<u64> = Vec::new();
         for (id, awaited) in &self.deep {
             ready.extend(awaited.as_ref().is_some_and(is_ready).then_some(*id));
@@ -314,7 +314,7 @@ impl Engine for DepthEngine<'_> {
         (self.sender, self.receiver) = channel();
         self.inner.cancel();
         self.deep.clear();
-        self.takeoffs.clear();
+        self.sub_jobs.clear();
         self.waiting.clear();
         self.samples.iter_mut().for_each(LineSamples::cancel);
         (self.flying, self.following) = (0, 0);

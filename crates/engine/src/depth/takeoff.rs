@@ -14,10 +14,10 @@ const TOGETHER: f64 = 4.0;
 pub(super) struct SubJob {
     /// The deep job that they belong to.
     pub job: u64,
-    pub load: Purpose,
+    pub purpose: Purpose,
 }
 
-/// The meaning of a takeoff's pendulums.
+/// The purpose of a sub-job's pendulums.
 pub(super) enum Purpose {
     /// Samples of lines, at these places.
     Samples(Vec<(PartKey, Place)>),

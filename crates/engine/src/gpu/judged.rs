@@ -6,7 +6,7 @@ use super::kernel::Design;
 use super::kernels::Haste;
 use super::{GpuEngine, GpuTuning};
 use crate::selfcheck::{self, Check, Verdict};
-use crate::{EngineError, IntegratorConfig, WantedEnd};
+use crate::{EngineError, IntegratorConfig, WantedEnds};
 
 impl GpuEngine {
     /// The arithmetic that the device is trusted with.
@@ -22,7 +22,7 @@ impl GpuEngine {
     /// Refuses ends that the kernels of a configuration do not compute, on any adapter.
     pub(crate) fn require_ends(
         config: &IntegratorConfig,
-        ends: WantedEnd,
+        ends: WantedEnds,
     ) -> Result<(), EngineError> {
         Design::general(config, false, false)?.returning(ends).map(drop)
     }

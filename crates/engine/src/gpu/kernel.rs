@@ -21,7 +21,7 @@ use crate::pace::Pace;
 use crate::shared::status_constants;
 use crate::slowed::least_energy;
 use crate::start::{ANGLES, PHASE};
-use crate::{EngineError, EventSpec, IntegratorConfig, Method, Precision, WantedEnd};
+use crate::{EngineError, EventSpec, IntegratorConfig, Method, Precision, WantedEnds};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::control::{Control, GROW, LONGEST, SHRINK};
 use flipmap_pendulum::crossing::{FAR, SLACK};
@@ -60,7 +60,7 @@ pub struct Design {
     /// Number of passes of the top after which a pendulum is done; counted unless it is 1.
     pub passes: u32,
     /// Growth or returns, where the kernel computes these instead of passes of the top.
-    pub ends: WantedEnd,
+    pub ends: WantedEnds,
 }
 
 impl Design {
@@ -105,7 +105,7 @@ impl Design {
             scheme,
             scene: None,
             passes: 1,
-            ends: WantedEnd::None,
+            ends: WantedEnds::None,
         })
     }
 
@@ -125,7 +125,7 @@ impl Design {
     }
 
     /// The same kernel, if its scheme can compute such ends.
-    pub(crate) fn returning(self, ends: WantedEnd) -> Result<Self, EngineError> {
+    pub(crate) fn returning(self, ends: WantedEnds) -> Result<Self, EngineError> {
         if self.scheme == Scheme::Series && ends.are_carried() {
             let why = "graphics adapters compute no growth and no returns by `method` taylor";
             return Err(EngineError::Unsupported(why.to_string()));
@@ -144,7 +144,7 @@ impl Design {
     }
 
     /// The kernel that computes growth or returns, for a specialised one.
-    pub fn computing(self, ends: WantedEnd) -> Self {
+    pub fn computing(self, ends: WantedEnds) -> Self {
         Design { compensated: false, ends, ..self }
     }
 
@@ -173,7 +173,7 @@ impl Design {
         }
         if self.ends.are_carried() {
             let file =
-                if self.ends == WantedEnd::Growth { "tangents.wgsl" } else { "nearest.wgsl" };
+                if self.ends == WantedEnds::Growth { "tangents.wgsl" } else { "nearest.wgsl" };
             let files = ["shared.wgsl", number, "carried.wgsl", "control.wgsl", file, "turn.wgsl"];
             return glue(&files, &self.values(maths, String::new()));
         }

@@ -6,7 +6,7 @@ use super::kernel::{Design, Scheme};
 use crate::integrator_state::{SLOPES, STARTS};
 use crate::start::PHASE;
 use crate::symbol::{Dialect, Symbol, literal, variable, write_maths};
-use crate::{Precision, WantedEnd};
+use crate::{Precision, WantedEnds};
 use flipmap_numbers::dual::Dual;
 use flipmap_numbers::polynomial::quintic_hermite;
 use flipmap_numbers::trig::Turning;
@@ -52,9 +52,9 @@ impl Design {
     /// the step is judged.
     pub(crate) fn step(&self) -> String {
         match self.ends {
-            WantedEnd::Growth => return self.tangent_step(),
-            WantedEnd::Return => return self.returning_step(),
-            WantedEnd::None | WantedEnd::Plain => {}
+            WantedEnds::Growth => return self.tangent_step(),
+            WantedEnds::Return => return self.returning_step(),
+            WantedEnds::None | WantedEnds::Plain => {}
         }
         match self.scheme {
             Scheme::Fixed(turning) => self.fixed_step(turning),

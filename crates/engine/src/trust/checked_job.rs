@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::Trust;
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run, Rung, ends_of, rungs};
-use crate::{Effort, FinalState, Job, JobResult, Keep, Starts, WantedEnd};
+use crate::{Effort, FinalState, Job, JobResult, Keep, Starts, WantedEnds};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Accumulators, Outcome, Status};
 
@@ -171,7 +171,7 @@ impl CheckedJob {
     /// The result of the job.
     pub(super) fn finish(self) -> JobResult {
         let ends = match self.job.keep.ends {
-            WantedEnd::None => Vec::new(),
+            WantedEnds::None => Vec::new(),
             _ => self.finest.iter().map(|answer| answer.end).collect(),
         };
         JobResult {

@@ -4,7 +4,7 @@
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};
 use crate::level::{BALANCED, FAST};
-use crate::{EventSpec, FinalState, IntegratorConfig, Method, Precision, WantedEnd};
+use crate::{EventSpec, FinalState, IntegratorConfig, Method, Precision, WantedEnds};
 use flipmap_pendulum::{Accumulators, Outcome, Rule, Status};
 use flipmap_scene::PendulumSpec;
 
@@ -19,7 +19,7 @@ fn dopri5(tolerance: f64) -> IntegratorConfig {
 const TAYLOR_DD: IntegratorConfig =
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-28 }, precision: Precision::Dd };
 
-fn judge(rule: Rule, ends: WantedEnd) -> Judge {
+fn judge(rule: Rule, ends: WantedEnds) -> Judge {
     let question = EventSpec { build: PendulumSpec::default(), rule, budget_secs: 30.0, passes: 1 };
     Judge::new(&question, ends, 1e-10)
 }
@@ -46,7 +46,7 @@ fn from_rest(config: IntegratorConfig, answer: RunResult) -> (Run, RunResult) {
 
 /// Returns true if the answers to the time of a flip are sure.
 fn is_sure(answers: &[(Run, RunResult)]) -> bool {
-    judge(Rule::Second, WantedEnd::None).verdict(answers).1
+    judge(Rule::Second, WantedEnds::None).verdict(answers).1
 }
 
 fn of_status(status: Status) -> RunResult {
@@ -164,7 +164,7 @@ fn growth_is_told_by_a_run_near_the_finest_and_confirmed_by_another_method() {
         let finest = from_rest(TAYLOR_DD, gathered(hangs_at(0.5), None));
         let teller = from_rest(BALANCED, gathered(hangs_at(0.5 + apart), Some(20.0)));
         let second = from_rest(other, gathered(hangs_at(0.5 + apart), Some(log_growth)));
-        judge(Rule::Neither, WantedEnd::Growth).verdict(&[finest, teller, second]).1
+        judge(Rule::Neither, WantedEnds::Growth).verdict(&[finest, teller, second]).1
     };
     let other = dopri5(1e-11);
     assert!(told(5e-3, other, 20.001));

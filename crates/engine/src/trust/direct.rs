@@ -2,7 +2,7 @@
 //! its release to the end. It shares no start map, no first moments, no rounding of starts, no method
 //! and no event test with the engines.
 
-use crate::{EventSpec, FinalState, WantedEnd};
+use crate::{EventSpec, FinalState, WantedEnds};
 use flipmap_numbers::{Exact, Fixed, Scalar};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
@@ -23,7 +23,7 @@ const NUDGE_DIGITS: f64 = 8.0;
 /// computed.
 pub fn answer(
     question: &EventSpec,
-    ends: WantedEnd,
+    ends: WantedEnds,
     start: &State<Exact>,
     apart_rad: f64,
 ) -> (Outcome, FinalState) {
@@ -42,7 +42,7 @@ pub fn answer(
 /// seconds, because of its many digits.
 pub fn takes_long(question: &EventSpec, apart_rad: f64) -> bool {
     let apart = DIGITS_APART - apart_rad.log10();
-    limbs(question, WantedEnd::None, &State::rest([Exact::ZERO; 2]), apart) > MAX_LIMBS_IN_A_SECOND
+    limbs(question, WantedEnds::None, &State::rest([Exact::ZERO; 2]), apart) > MAX_LIMBS_IN_A_SECOND
 }
 
 /// Largest number of limbs in which a minute of the home pendulum takes less than a second.
@@ -50,10 +50,10 @@ const MAX_LIMBS_IN_A_SECOND: usize = 4;
 
 /// Number of limbs of numbers with the digits that a start needs: those for the growth of errors, and
 /// those that tell a bob beside the top from one at it.
-fn limbs(question: &EventSpec, ends: WantedEnd, start: &State<Exact>, apart: f64) -> usize {
+fn limbs(question: &EventSpec, ends: WantedEnds, start: &State<Exact>, apart: f64) -> usize {
     let (_, unit_secs) = question.reduced();
     let growth = DECADES_A_UNIT * question.budget_secs / unit_secs;
-    let nudge = if ends == WantedEnd::Growth { NUDGE_DIGITS } else { 0.0 };
+    let nudge = if ends == WantedEnds::Growth { NUDGE_DIGITS } else { 0.0 };
     let beside = |angle: Exact| {
         let distance = (Exact::pi() - angle.abs()).to_f64().abs();
         if distance > 0.0 { -distance.log10() } else { 0.0 }
@@ -86,7 +86,7 @@ impl<'a, const N: usize> Direct<'a, N> {
         Direct { question, pendulum, unit_secs, start, budget, apart }
     }
 
-    fn answer(&self, ends: WantedEnd) -> (Outcome, FinalState) {
+    fn answer(&self, ends: WantedEnds) -> (Outcome, FinalState) {
         let rule = self.question.rule;
         let outcome = match rule {
             Rule::Neither => Outcome::without_time(Status::Unflipped),
@@ -97,7 +97,7 @@ impl<'a, const N: usize> Direct<'a, N> {
         };
         let time = if outcome.status == Status::Answered { outcome.time } else { self.budget };
         let end = match ends {
-            WantedEnd::None => FinalState::NOWHERE,
+            WantedEnds::None => FinalState::NOWHERE,
             _ => self.end(time, ends),
         };
         let secs = (outcome.time * self.unit_secs).to_f64();
@@ -105,12 +105,12 @@ impl<'a, const N: usize> Direct<'a, N> {
     }
 
     /// The end of the motion at a reduced time.
-    fn end(&self, time: Fixed<N>, ends: WantedEnd) -> FinalState {
+    fn end(&self, time: Fixed<N>, ends: WantedEnds) -> FinalState {
         let state = self.state_at(&self.start, time);
         let turns = state.angle.map(whole_turns);
         let wrapped = State { angle: state.angle.map(Fixed::wrapped), ..state };
         let log_growth =
-            if ends == WantedEnd::Growth { self.log_growth(&state, time) } else { 0.0 };
+            if ends == WantedEnds::Growth { self.log_growth(&state, time) } else { 0.0 };
         FinalState {
             time: time.to_f64(),
             phase: self.pendulum.phase(&wrapped).map(Fixed::to_f64),
@@ -178,14 +178,14 @@ mod tests {
     fn digits_suffice_for_the_growth_of_a_hundred_seconds() {
         // Of two integrations in different numbers of digits, both must be right.
         let (question, near) = (question(Rule::First, 100.0), start(["-1.7", "0.06"]));
-        let (short, _) = answer(&question, WantedEnd::None, &near, 1.0);
-        let (long, _) = Direct::<8>::new(&question, &near, 120.0).answer(WantedEnd::None);
+        let (short, _) = answer(&question, WantedEnds::None, &near, 1.0);
+        let (long, _) = Direct::<8>::new(&question, &near, 120.0).answer(WantedEnds::None);
         assert_eq!(short.status, long.status);
         assert!((short.time - long.time).abs() < 1e-6 * right_secs(question.build.unit_secs()));
         let late = start(["0.92857", "-1.80186"]);
         let question = EventSpec { rule: Rule::Second, ..question };
-        let (short, _) = answer(&question, WantedEnd::None, &late, 1.0);
-        let (long, _) = Direct::<8>::new(&question, &late, 120.0).answer(WantedEnd::None);
+        let (short, _) = answer(&question, WantedEnds::None, &late, 1.0);
+        let (long, _) = Direct::<8>::new(&question, &late, 120.0).answer(WantedEnds::None);
         assert!(short.status == long.status, "{short:?}, {long:?}");
         assert!((short.time - long.time).abs() < 1e-6, "{short:?}, {long:?}");
         let decades = 44.0;

@@ -7,7 +7,7 @@
 //! it, and a distance of only d would be an accident: c's error, of known size and unknown sign,
 //! happened to lie within d of f's. The chance of that is about d/(Kτ); measurements confirm this
 //! down to the rarest cases that could be counted. Runs with errors of their own multiply their
-//! chances, and an answer is sure when the product is below [`MAX_CHANCE`].
+//! chances, and an answer is sure when the product is below [`MAX_ERROR_PROBABILITY`].
 //!
 //! The tolerance applies to more than the time of the flip. Errors in the state must also be far
 //! below the height by which any earlier turn missed the top, and below the height by which the
@@ -18,7 +18,7 @@
 //! where a run is far off, growth as the others show it must explain that.
 
 use super::ladder::Run;
-use crate::{EventSpec, FinalState, WantedEnd};
+use crate::{EventSpec, FinalState, WantedEnds};
 use flipmap_pendulum::crossing::{StepState, bob_at_top, height_beyond};
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::phase::Phase;
@@ -48,7 +48,7 @@ const STATE: f64 = SAFETY * 1e-3;
 const UNLIKELY: f64 = 1e3;
 /// Largest accepted probability that an answer of the finest run is called right though it is
 /// wrong.
-const MAX_CHANCE: f64 = 1e-6;
+const MAX_ERROR_PROBABILITY: f64 = 1e-6;
 
 /// An answer with its error scale.
 type Scaled<'a> = (f64, &'a (Run, RunResult));
@@ -68,7 +68,7 @@ pub(super) struct Judge {
 impl Judge {
     /// Makes a judge of answers that need such ends; `leaf_half_rad` is half the side of the leaves for
     /// deep starts, and unused for others.
-    pub(super) fn new(question: &EventSpec, ends: WantedEnd, leaf_half_rad: f64) -> Self {
+    pub(super) fn new(question: &EventSpec, ends: WantedEnds, leaf_half_rad: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         let tolerance = SAFETY * right_secs(unit_secs) / unit_secs;
@@ -129,7 +129,7 @@ impl Judge {
             independent |= other.is_independent_of(run);
         }
         let explained = finest_far.is_infinite() || finest_far * growth * UNLIKELY > LINEAR;
-        independent && chance <= MAX_CHANCE && explained
+        independent && chance <= MAX_ERROR_PROBABILITY && explained
     }
 
     /// Error allowed in an answer's state.

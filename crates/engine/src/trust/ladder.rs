@@ -7,7 +7,7 @@
 
 use super::Trust;
 use crate::level::{BALANCED, FAST, FINEST};
-use crate::{FinalState, IntegratorConfig, Method, Precision, WantedEnd};
+use crate::{FinalState, IntegratorConfig, Method, Precision, WantedEnds};
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -155,10 +155,10 @@ pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Ve
 /// The ends that a run returns where these are wanted: plain ones, which confirm the state alone, if it
 /// cannot carry the quantity along, or only in a scalar loop, which takes a hundred times as long as
 /// the other runs.
-pub(super) fn ends_of(config: &IntegratorConfig, wanted: WantedEnd) -> WantedEnd {
+pub(super) fn ends_of(config: &IntegratorConfig, wanted: WantedEnds) -> WantedEnds {
     let is_scalar = wanted.are_carried() && config.method.is_series();
     let can_carry = !is_scalar && wanted.check(config).is_ok();
-    if wanted == WantedEnd::None || !can_carry { WantedEnd::Plain } else { wanted }
+    if wanted == WantedEnds::None || !can_carry { WantedEnds::Plain } else { wanted }
 }
 
 fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {
@@ -202,7 +202,7 @@ fn rungs_beyond_f64() -> impl Iterator<Item = Rung> {
 }
 
 /// Least half side of leaves, in rad, that double-double can tell apart from the release.
-const MIN_FOR_DD: f64 = 1e-22;
+const MIN_HALF_SIDE_FOR_DD: f64 = 1e-22;
 
 fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
     let map = |config| Run::new(config, Origin::Map);
@@ -220,7 +220,7 @@ fn deep_rungs(leaf_half_rad: f64) -> Vec<Rung> {
             ],
         ),
     ];
-    if leaf_half_rad >= MIN_FOR_DD {
+    if leaf_half_rad >= MIN_HALF_SIDE_FOR_DD {
         rungs.extend(rungs_beyond_f64());
     }
     rungs

@@ -9,7 +9,7 @@ use super::Opinion;
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};
 use crate::{
-    Engine, EngineError, EventSpec, IntegratorConfig, JobResult, Keep, Onset, Starts, WantedEnd,
+    Engine, EngineError, EventSpec, IntegratorConfig, JobResult, Keep, Onset, Starts, WantedEnds,
     run_job,
 };
 use flipmap_numbers::Dd;
@@ -46,7 +46,7 @@ impl AccuracyEstimate {
     pub fn sample(
         engine: &mut dyn Engine,
         question: EventSpec,
-        (config, ends): (IntegratorConfig, WantedEnd),
+        (config, ends): (IntegratorConfig, WantedEnds),
         starts: &Starts,
         keep_going: &dyn Fn() -> bool,
     ) -> Result<Option<SampledAnswers>, EngineError> {
@@ -56,7 +56,7 @@ impl AccuracyEstimate {
         };
         let run = Run::new(config, from);
         let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
-        let ends = if ends == WantedEnd::None { WantedEnd::Plain } else { ends };
+        let ends = if ends == WantedEnds::None { WantedEnds::Plain } else { ends };
         let keep = Keep { ends, states: false };
         let mut answers = |starts| run_job(engine, question, config, starts, keep, keep_going);
         let Some(result) = answers(starts.clone())? else { return Ok(None) };
@@ -145,7 +145,7 @@ mod tests {
         };
         let angle = |k: u32| [from[0] + 4e-4 * f64::from(k), from[1] + 3e-4 * f64::from(k)];
         let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
-        let how = (BALANCED, WantedEnd::None);
+        let how = (BALANCED, WantedEnds::None);
         let answers = AccuracyEstimate::sample(&mut engine, question, how, &starts, &|| true);
         let beyond = answers.unwrap().unwrap().beyond;
         let count = beyond.iter().filter(|beyond| **beyond).count();
@@ -173,7 +173,7 @@ mod tests {
         let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
         let mut engine = CpuEngine::new(Some(2)).unwrap();
         let mut sample = |config| {
-            let how = (config, WantedEnd::None);
+            let how = (config, WantedEnds::None);
             let answers = AccuracyEstimate::sample(&mut engine, question, how, &starts, &|| true);
             answers.unwrap().unwrap()
         };
@@ -181,7 +181,7 @@ mod tests {
         let coarse = IntegratorConfig { method, precision: Precision::F64 };
         let (coarse, truth) = (sample(coarse), sample(BALANCED));
         assert!(!truth.beyond.contains(&true));
-        let judge = Judge::new(&question, WantedEnd::Plain, 0.0);
+        let judge = Judge::new(&question, WantedEnds::Plain, 0.0);
         let answer = |sample: &SampledAnswers, k: usize| RunResult {
             outcome: sample.result.outcomes[k],
             end: sample.result.ends[k],

@@ -6,7 +6,7 @@ use super::checked_job::CheckedJob;
 use crate::cpu::CpuEngine;
 use crate::depth::DepthEngine;
 use crate::level::BALANCED;
-use crate::{Deep, Engine, EventSpec, Job, Keep, Leaf, Starts, WantedEnd, run_job};
+use crate::{Deep, Engine, EventSpec, Job, Keep, Leaf, Starts, WantedEnds, run_job};
 use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::Rule;
 use flipmap_scene::lattice::Cell;
@@ -17,7 +17,7 @@ use flipmap_scene::{ExactPlane, Kind, PendulumSpec};
 type Witness = ([f64; 2], usize, &'static str);
 
 /// Compares the rungs on which starts become sure with those expected.
-fn check(question: EventSpec, ends: WantedEnd, starts: Starts, witnesses: &[Witness]) {
+fn check(question: EventSpec, ends: WantedEnds, starts: Starts, witnesses: &[Witness]) {
     let mut engine = DepthEngine::new(Box::new(CpuEngine::new(Some(2)).unwrap()), Some(2)).unwrap();
     let keep = Keep { ends, states: false };
     let job = Job { id: 0, question, config: BALANCED, starts, keep };
@@ -66,14 +66,14 @@ fn in_leaf(center: [&str; 2], level: u32, witnesses: &[Witness]) -> Starts {
 #[test]
 fn of_the_time_of_a_flip() {
     let witnesses: [Witness; 6] = [
-        ([-1.602811, -2.867014], 2, "MAX_CHANCE, SAFETY, the scales of f32 and DOP853"),
+        ([-1.602811, -2.867014], 2, "MAX_ERROR_PROBABILITY, SAFETY, the scales of f32 and DOP853"),
         ([-1.565265, -1.602852], 1, "SAFETY, the scales of f32 and DOPRI5"),
         ([2.389554, 1.633769], 1, "OF_CLEARANCE"),
         ([-0.663212, -2.20799], 2, "LINEAR"),
         ([-1.448807, 1.270825], 2, "UNFLIPPED"),
         ([-1.633555, 0.090729], 2, "UNFLIPPED"),
     ];
-    check(question(Rule::Second, 30.0), WantedEnd::None, at_rest(&witnesses), &witnesses);
+    check(question(Rule::Second, 30.0), WantedEnds::None, at_rest(&witnesses), &witnesses);
 }
 
 #[test]
@@ -84,16 +84,16 @@ fn of_turns_and_flips_that_graze_the_top() {
         ([-0.983, -2.3523553390025396], 4, "the height beyond the top"),
         ([-1.339, -2.5067889416427107], 3, "the height beyond the top"),
     ];
-    check(question(Rule::Second, 6.0), WantedEnd::None, at_rest(&witnesses), &witnesses);
+    check(question(Rule::Second, 6.0), WantedEnds::None, at_rest(&witnesses), &witnesses);
 }
 
 #[test]
 fn of_the_first_bob() {
     let witnesses: [Witness; 2] = [
-        ([2.188812, 2.750109], 1, "OF_CLEARANCE, MAX_CHANCE"),
+        ([2.188812, 2.750109], 1, "OF_CLEARANCE, MAX_ERROR_PROBABILITY"),
         ([-1.819732, 2.9558], 4, "the scales of f64 and DOP853, LINEAR"),
     ];
-    check(question(Rule::First, 20.0), WantedEnd::None, at_rest(&witnesses), &witnesses);
+    check(question(Rule::First, 20.0), WantedEnds::None, at_rest(&witnesses), &witnesses);
     let rods = PendulumSpec { kind: Kind::Rods, ..PendulumSpec::default() };
     let witnesses: [Witness; 3] = [
         ([2.551636, -1.908982], 6, "the scale of Taylor expansions"),
@@ -101,7 +101,7 @@ fn of_the_first_bob() {
         ([2.39825, -1.884929], 5, "the scale of extrapolation, OF_CLEARANCE"),
     ];
     let question = EventSpec { build: rods, ..question(Rule::First, 30.0) };
-    check(question, WantedEnd::None, at_rest(&witnesses), &witnesses);
+    check(question, WantedEnds::None, at_rest(&witnesses), &witnesses);
 }
 
 #[test]
@@ -109,20 +109,20 @@ fn of_states_growth_and_returns() {
     let neither = |secs| question(Rule::Neither, secs);
     let states: [Witness; 3] = [
         ([2.355168, 1.814721], 3, "STATE"),
-        ([-1.785374, -0.539467], 1, "STATE, MAX_CHANCE"),
+        ([-1.785374, -0.539467], 1, "STATE, MAX_ERROR_PROBABILITY"),
         ([-2.680131, -3.041647], 3, "the displacement of nudged runs"),
     ];
-    check(neither(12.0), WantedEnd::Plain, at_rest(&states), &states);
+    check(neither(12.0), WantedEnds::Plain, at_rest(&states), &states);
     let growth: [Witness; 2] = [
         ([2.543719, 0.34303], 4, "GROWTH, confirmation"),
         ([2.119783, 0.858998], 2, "GROWTH, confirmation"),
     ];
-    check(neither(15.0), WantedEnd::Growth, at_rest(&growth), &growth);
+    check(neither(15.0), WantedEnds::Growth, at_rest(&growth), &growth);
     let returns: [Witness; 2] = [
         ([2.006433, -1.769108], 1, "NEAREST, confirmation"),
         ([2.756867, -0.473489], 2, "confirmation"),
     ];
-    check(neither(8.0), WantedEnd::Return, at_rest(&returns), &returns);
+    check(neither(8.0), WantedEnds::Return, at_rest(&returns), &returns);
 }
 
 #[test]
@@ -130,18 +130,18 @@ fn of_deep_starts() {
     let witnesses: [Witness; 1] = [(
         [0.845, -0.072],
         1,
-        "MAX_CHANCE, OF_CLEARANCE, OF_MAPS, the scale of DOPRI5 after a map",
+        "MAX_ERROR_PROBABILITY, OF_CLEARANCE, OF_MAPS, the scale of DOPRI5 after a map",
     )];
     let center = ["-1.65907312822246439054652000777423381805419921875", "0.1"];
     let starts = in_leaf(center, 40, &witnesses);
-    check(question(Rule::Second, 40.0), WantedEnd::None, starts, &witnesses);
+    check(question(Rule::Second, 40.0), WantedEnds::None, starts, &witnesses);
     let witnesses: [Witness; 1] = [([0.224, 0.959], 0, "the scale of DOP853 after a map")];
     let starts = in_leaf(["2.2", "1.3"], 7, &witnesses);
-    check(question(Rule::Second, 15.0), WantedEnd::None, starts, &witnesses);
+    check(question(Rule::Second, 15.0), WantedEnds::None, starts, &witnesses);
     let witnesses: [Witness; 2] = [
-        ([0.154, -0.897], 1, "UNFLIPPED, MAX_CHANCE"),
+        ([0.154, -0.897], 1, "UNFLIPPED, MAX_ERROR_PROBABILITY"),
         ([0.836, -0.016], 3, "GROWTH, confirmation"),
     ];
     let starts = in_leaf(["2.3", "1.1"], 30, &witnesses);
-    check(question(Rule::Neither, 20.0), WantedEnd::Growth, starts, &witnesses);
+    check(question(Rule::Neither, 20.0), WantedEnds::Growth, starts, &witnesses);
 }

@@ -353,14 +353,14 @@ fn read(path: &Path, forms: &PartForms) -> Result<Option<Part>, PartError> {
 }
 
 /// Largest number of bytes of a part's first line that damage may have changed.
-const MAX_CHANGED: usize = 3;
+const MAX_CHANGED_BYTES: usize = 3;
 
 /// Returns true if a file that does not begin as a part may have done so before it was damaged: it is
 /// empty or begins with zeros, as after a power failure, or with nearly the same line.
 fn may_be_lost(bytes: &[u8]) -> bool {
     let first = &bytes[..bytes.len().min(MAGIC.len())];
     let changed = first.iter().zip(MAGIC).filter(|(found, byte)| found != byte).count();
-    changed <= MAX_CHANGED.min(first.len() / 2) || first.iter().all(|byte| *byte == 0)
+    changed <= MAX_CHANGED_BYTES.min(first.len() / 2) || first.iter().all(|byte| *byte == 0)
 }
 
 /// Returns true if a file has the name of a part of one of the forms.

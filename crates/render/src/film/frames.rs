@@ -55,7 +55,7 @@ struct Manifest {
 }
 
 /// Largest size of a picture's file in bytes: that of the largest frame, not compressed.
-const MAX_OF_PICTURE: u64 = 2 << 30;
+const MAX_PICTURE_BYTES: u64 = 2 << 30;
 /// Name of the manifest's file.
 const MANIFEST: &str = "manifest.json";
 
@@ -112,7 +112,7 @@ impl Frames {
     pub(crate) fn has(&mut self, frame: u32, shot: &Shot) -> bool {
         let [png, json] = self.paths(frame);
         let Some(beside) = Sidecar::read(&json) else { return false };
-        let Ok(picture) = read_plain(&png, MAX_OF_PICTURE) else { return false };
+        let Ok(picture) = read_plain(&png, MAX_PICTURE_BYTES) else { return false };
         let same = beside == self.beside(frame, shot, &picture);
         if same {
             self.done.push(beside);

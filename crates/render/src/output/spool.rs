@@ -13,7 +13,7 @@ use super::SafeFile;
 /// unnamed temporary file until it is complete.
 pub(crate) struct Spool {
     file: BufWriter<File>,
-    then: FinalStep,
+    last: FinalStep,
 }
 
 /// The last step, which takes the file to its destination.
@@ -27,19 +27,19 @@ impl Spool {
     pub(crate) fn new(destination: SafeFile) -> io::Result<Self> {
         Ok(match destination {
             SafeFile::Beside(file, beside, path) => {
-                Spool { file, then: FinalStep::Rename(beside, path) }
+                Spool { file, last: FinalStep::Rename(beside, path) }
             }
             stream => {
                 let file = tempfile::tempfile().map_err(in_temporary_folder)?;
-                Spool { file: BufWriter::new(file), then: FinalStep::Copy(stream) }
+                Spool { file: BufWriter::new(file), last: FinalStep::Copy(stream) }
             }
         })
     }
 
     /// Returns the destination with everything in it.
     pub(crate) fn into_file(self) -> io::Result<SafeFile> {
-        let Spool { mut file, then } = self;
-        match then {
+        let Spool { mut file, last } = self;
+        match last {
             FinalStep::Rename(beside, path) => Ok(SafeFile::Beside(file, beside, path)),
             FinalStep::Copy(mut stream) => {
                 file.rewind().map_err(in_temporary_folder)?;
@@ -50,7 +50,7 @@ impl Spool {
     }
 
     fn explained<T>(&self, result: io::Result<T>) -> io::Result<T> {
-        match self.then {
+        match self.last {
             FinalStep::Rename(..) => result,
             FinalStep::Copy(_) => result.map_err(in_temporary_folder),
         }

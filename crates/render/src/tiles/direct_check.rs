@@ -4,13 +4,13 @@ use rayon::prelude::*;
 
 use super::reader::Reader;
 use flipmap_engine::trust::{Opinion, direct};
-use flipmap_engine::{EventSpec, WantedEnd};
+use flipmap_engine::{EventSpec, WantedEnds};
 use flipmap_pendulum::Status;
 use flipmap_scene::question::Channel;
 use flipmap_scene::{Grid, Scene};
 
 /// An answer of a pixel, to be compared.
-pub(super) struct Answered {
+pub(super) struct AnsweredPixel {
     pub pixel: [u32; 2],
     pub status: Status,
     /// Values of the question's channels.
@@ -32,7 +32,7 @@ impl<'a> DirectCheck<'a> {
         let (ask, question) = (scene.question.ask, EventSpec::from(scene));
         let reader = Reader::new(ask, &question);
         let unit_secs = scene.build.unit_secs();
-        let is_answered = reader.ends() != WantedEnd::Return && question.passes == 1;
+        let is_answered = reader.ends() != WantedEnds::Return && question.passes == 1;
         let channels = ask.kind().channels;
         is_answered.then_some(DirectCheck { grid, question, reader, channels, unit_secs })
     }
@@ -45,16 +45,16 @@ impl<'a> DirectCheck<'a> {
     /// Integrates all these pixels directly; none once `keep_going` returns false.
     pub(super) fn opinion(
         &self,
-        answers: &[Answered],
+        answers: &[AnsweredPixel],
         keep_going: &(dyn Fn() -> bool + Sync),
     ) -> Option<Opinion> {
-        let contradicts = |answer: &&Answered| keep_going() && self.contradicts(answer);
+        let contradicts = |answer: &&AnsweredPixel| keep_going() && self.contradicts(answer);
         let contradicted = answers.par_iter().filter(contradicts).count();
         keep_going().then_some(Opinion { asked: answers.len(), contradicted })
     }
 
     /// Returns true if the answer of a pixel is not that of direct integration.
-    fn contradicts(&self, answer: &Answered) -> bool {
+    fn contradicts(&self, answer: &AnsweredPixel) -> bool {
         let [column, row] = answer.pixel;
         let truth = self.grid.exact_start(column, row).map(|start| {
             let (ends, apart_rad) = (self.reader.ends(), self.grid.pixel_rad());
@@ -70,6 +70,6 @@ impl<'a> DirectCheck<'a> {
         let is_wrong = |(channel, (a, b)): (&Channel, (&f64, f64))| {
             !channel.is_right(*a, b, 1.0, self.unit_secs)
         };
-        status == Status::Answered && channels.any(is_wrong)
+        status == Status::AnsweredPixel && channels.any(is_wrong)
     }
 }

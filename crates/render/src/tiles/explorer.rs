@@ -54,7 +54,7 @@ pub struct ViewProgress {
 /// Maximum number of cells of a level that are drawn at once.
 pub const MAX_CELLS: usize = 6000;
 /// Maximum number of cells in a job, which fill a large graphics card.
-const MAX_IN_JOB: usize = 256;
+const MAX_CELLS_IN_JOB: usize = 256;
 
 /// A physics viewed before, and whether the mirror images of its cells have equal samples.
 #[derive(Debug)]
@@ -275,7 +275,7 @@ impl Explorer {
         let group = traits(&first);
         let alike = |wanted: &Wanted| !waits(wanted) && traits(wanted) == group;
         let stride = first.pass.stride();
-        let most = (job_size / (2 * stride.count(SIDE) as usize)).clamp(1, MAX_IN_JOB);
+        let most = (job_size / (2 * stride.count(SIDE) as usize)).clamp(1, MAX_CELLS_IN_JOB);
         let mut cells = Vec::new();
         let mut is_left = |wanted: &Wanted| {
             let is_taken = cells.len() < most && alike(wanted);

@@ -16,7 +16,7 @@ const TOGETHER: u32 = 16;
 
 /// Number of pixels that are integrated directly, where start maps or first moments tell answers; one
 /// where that takes seconds.
-const MAX_DIRECTLY: usize = 2;
+const DIRECT_PIXELS: usize = 2;
 
 /// Returns the outlook of a picture of `size` pixels, or `None` once `keep_going` returns false.
 pub fn outlook(
@@ -57,7 +57,7 @@ pub fn outlook(
     });
     // Far apart in the sample, so that not all are of one leaf.
     let asked: Vec<_> = asked.collect();
-    let most = if check.takes_long() { 1 } else { MAX_DIRECTLY };
+    let most = if check.takes_long() { 1 } else { DIRECT_PIXELS };
     let apart = asked.len().div_ceil(most).max(1);
     let asked: Vec<_> = asked.into_iter().step_by(apart).collect();
     Ok(check.opinion(&asked, keep_going).map(|opinion| AccuracyEstimate { opinion, ..outlook }))

@@ -14,7 +14,7 @@ use flipmap_scene::lattice::Cell;
 use flipmap_scene::question::QuestionName;
 
 /// Maximum number of patches in a job.
-const MAX_IN_JOB: usize = 1024;
+const MAX_PATCHES_IN_JOB: usize = 1024;
 
 /// The computation of patches of one pendulum.
 pub(crate) struct PatchWork {
@@ -88,7 +88,7 @@ impl TileSource for PatchWork {
     }
 
     fn next_tile(&mut self, job_size: usize) -> Option<NextTile<Vec<Cell>>> {
-        let cells = self.next_cells((job_size / PATCH_SAMPLES).clamp(1, MAX_IN_JOB));
+        let cells = self.next_cells((job_size / PATCH_SAMPLES).clamp(1, MAX_PATCHES_IN_JOB));
         if cells.is_empty() {
             return None;
         }

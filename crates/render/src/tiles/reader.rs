@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::Samples;
-use flipmap_engine::{EventSpec, FinalState, JobResult, WantedEnd};
+use flipmap_engine::{EventSpec, FinalState, JobResult, WantedEnds};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::transport::{transported, turns_between};
 use flipmap_pendulum::{Outcome, Pendulum, Status};
@@ -28,7 +28,7 @@ impl Reader {
     }
 
     /// The ends that jobs must return.
-    pub fn ends(&self) -> WantedEnd {
+    pub fn ends(&self) -> WantedEnds {
         self.ask.kind().needs.into()
     }
 

@@ -1,4 +1,4 @@
-//! The library's front door: a scene in, samples out.
+//! The renderer: a scene goes in, samples come out.
 
 use super::preview::preview;
 use super::{Counts, Samples, Work, check_feasible, opinion};

@@ -49,7 +49,7 @@ const MIRROR_BYTES: u64 = 320 << 20;
 
 /// Largest number of pixels of a deep tile that is as high as its leaves. Lower bands would follow
 /// each leaf again and again.
-const MAX_DEEP: usize = 1 << 20;
+const MAX_DEEP_PIXELS: usize = 1 << 20;
 
 impl Work {
     /// Creates the work for a checked scene as a picture of `size` pixels, in tiles of about
@@ -89,7 +89,7 @@ impl Work {
         let grid = Grid::sampled(scene, size, sampling);
         let width = grid.size()[0];
         let is_deep = config.is_deep(grid.pixel_rad());
-        let leaves = ((config.leaf_pixels() * width) as usize).min(MAX_DEEP);
+        let leaves = ((config.leaf_pixels() * width) as usize).min(MAX_DEEP_PIXELS);
         let tile_pixels = if is_deep { tile_pixels.max(leaves) } else { tile_pixels };
         Work {
             grid,

@@ -1,7 +1,7 @@
 //! Hard cases of periodic orbits on the section θ1 = 0, which a computer-assisted proof encloses.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of};
-use flipmap_engine::{EngineError, EventSpec, Job, Keep, Starts, Wait, WantedEnd};
+use flipmap_engine::{EngineError, EventSpec, Job, Keep, Starts, Wait, WantedEnds};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::passes::{SectionReturn, section_return};
 use flipmap_pendulum::{Accumulators, Launch, Pendulum, Rule, State};
@@ -126,11 +126,11 @@ fn answers(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         else {
             return HardFinding::new(false, format!("{} has no start", orbit.energy));
         };
-        let [distance, time] = bench.ended(launch, 1.2 * period, WantedEnd::Return)?.nearest;
+        let [distance, time] = bench.ended(launch, 1.2 * period, WantedEnds::Return)?.nearest;
         held &= distance < 1e-7 && (time - period).abs() < 1e-6;
         // Two budgets: what the first nudges lose until they point the way of growth cancels.
         let mut log_growth = |periods: f64| {
-            bench.ended(launch, periods * period, WantedEnd::Growth).map(|end| end.log_growth)
+            bench.ended(launch, periods * period, WantedEnds::Growth).map(|end| end.log_growth)
         };
         let exponent = (log_growth(12.0)? - log_growth(4.0)?) / (8.0 * period);
         let expected = PeriodicOrbit::exponent(period, trace);
@@ -150,7 +150,7 @@ impl HardBench<'_> {
         &mut self,
         launch: Launch,
         budget_secs: f64,
-        ends: WantedEnd,
+        ends: WantedEnds,
     ) -> Result<Accumulators, EngineError> {
         let rule = Rule::Neither;
         let question = EventSpec { build: unit_build(), rule, budget_secs, passes: 1 };

@@ -3,7 +3,7 @@
 
 use super::referee::{MotionEnd, Referee};
 use super::start::start;
-use flipmap_engine::{EventSpec, FinalState, WantedEnd};
+use flipmap_engine::{EventSpec, FinalState, WantedEnds};
 use flipmap_numbers::{Angle, Dd, Exact, Fixed, Scalar};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::phase::Phase;
@@ -78,7 +78,7 @@ impl<'a> Judged<'a> {
             // Far fewer digits than the truth has, but a wrong answer is not confirmed by accident.
             let agrees =
                 |truth: Option<Answer>| truth.is_some_and(|truth| self.is_same(given, &truth, 0.2));
-            if self.reader.ends() != WantedEnd::Growth
+            if self.reader.ends() != WantedEnds::Growth
                 && (agrees(self.truth::<f64>(&start, (8, 5e-14), give_up))
                     || agrees(self.truth::<Dd>(&start, (11, 1e-27), give_up)))
             {
@@ -144,7 +144,7 @@ impl<'a> Judged<'a> {
         };
         let end = referee.end(&phase)?;
         let log_growth = match self.reader.ends() {
-            WantedEnd::Growth => self.log_growth(&referee, start, &end)?,
+            WantedEnds::Growth => self.log_growth(&referee, start, &end)?,
             _ => 0.0,
         };
         Some(self.answer(&end, log_growth, unit_secs.to_f64()))

@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
-use flipmap_engine::{Accuracy, Cells, EngineKind, IntegratorConfig, Method, Precision, WantedEnd};
+use flipmap_engine::{
+    Accuracy, Cells, EngineKind, IntegratorConfig, Method, Precision, WantedEnds,
+};
 use flipmap_render::tiles::Renderer;
 
 /// A way to compute a window.
@@ -84,7 +86,7 @@ impl Renderers {
     pub(super) fn of(
         &mut self,
         how: &How,
-        ends: WantedEnd,
+        ends: WantedEnds,
     ) -> Result<Option<&mut Renderer>, ChoiceError> {
         let setting = match how.config {
             Some(config) => IntegrationSetting::Explicit(config),

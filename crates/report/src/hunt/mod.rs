@@ -22,7 +22,7 @@ use self::scenes::Scenes;
 use super::{ReportError, StopTest};
 use flipmap_engine::choice::{Chosen, EngineRequest, choose};
 use flipmap_engine::plain_file::read_text;
-use flipmap_engine::{Engine, EngineError, IntegratorConfig, Trust, WantedEnd};
+use flipmap_engine::{Engine, EngineError, IntegratorConfig, Trust, WantedEnds};
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::Status;
 use flipmap_render::tiles::preview::preview;
@@ -159,7 +159,7 @@ impl Hunt {
         fastrand::Rng::with_seed(picks).shuffle(&mut places);
         let (marked, mut unmarked): (Vec<usize>, Vec<usize>) =
             places.into_iter().partition(is_marked);
-        if jury.judged.deep || window.ends() == WantedEnd::Growth {
+        if jury.judged.deep || window.ends() == WantedEnds::Growth {
             unmarked.truncate(SAMPLE);
         }
         let verdicts = jury.verdicts(&unmarked);
@@ -224,7 +224,7 @@ enum Rendering {
 }
 
 impl Window {
-    fn ends(&self) -> WantedEnd {
+    fn ends(&self) -> WantedEnds {
         self.scene.question.ask.kind().needs.into()
     }
 

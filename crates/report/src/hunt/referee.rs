@@ -54,7 +54,7 @@ enum TopVerdict {
 /// Longest step, in reduced units.
 const LONGEST: f64 = 0.25;
 /// Step below which a failing error test means that the number type has too few digits.
-const MIN_FOR_ERRORS: f64 = 1e-6;
+const MIN_TESTED_STEP: f64 = 1e-6;
 /// Step below which nothing can be decided any more.
 const SHORTEST: f64 = 1e-60;
 /// First step of a bob that begins exactly at the top, after which it is on the side to which it moves.
@@ -82,7 +82,7 @@ impl<T: Scalar> Referee<'_, T> {
             let length = if step < left { step } else { left };
             let (next, error) = self.step(&now.phase, length);
             if error.is_nan() || error > self.tolerance {
-                if length.to_f64() < MIN_FOR_ERRORS {
+                if length.to_f64() < MIN_TESTED_STEP {
                     return None;
                 }
                 step = length * T::from_f64(0.5);

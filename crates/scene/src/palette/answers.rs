@@ -16,7 +16,7 @@ pub struct AnswerColours {
 }
 
 /// Number of passes in each natural unit of time beyond which colours stay the same.
-const MAX_A_UNIT: f64 = 0.4;
+const MAX_PASSES_PER_UNIT: f64 = 0.4;
 
 /// The way in which the channels become a colour.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +52,7 @@ impl AnswerColours {
             Painted::TwoAngles => Way::Torus,
             Painted::Sum => {
                 let units = scene.question.end_secs() / scene.build.unit_secs();
-                Way::Counts(MAX_A_UNIT * units, Palette::named(&picture.palette)?)
+                Way::Counts(MAX_PASSES_PER_UNIT * units, Palette::named(&picture.palette)?)
             }
             Painted::EnergySplit => {
                 let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;

@@ -20,7 +20,7 @@ pub struct CardColours {
 
 /// Most of the palette between two entries of the table: an eighth of the way from one of its colours
 /// to the next, which are at most a few steps of 255 apart.
-const MAX_APART: f64 = 1.0 / 2048.0;
+const MAX_ENTRY_GAP: f64 = 1.0 / 2048.0;
 /// Least octaves of a table, whose entries are as many steps of the card's logarithms.
 const MIN_OCTAVES: f64 = TABLE_ENTRIES as f64 / (1 << 17) as f64;
 
@@ -102,7 +102,7 @@ fn table_of_times(tones: &Tones, until_secs: f64) -> Option<Table> {
     let Lookup { first_secs, last_secs, colours, most_apart } = tones.lookup(TABLE_ENTRIES);
     let octaves = (last_secs / first_secs).log2();
     let per_octave = (TABLE_ENTRIES - 1) as f64 / octaves;
-    (octaves > MIN_OCTAVES && most_apart <= MAX_APART).then_some(Table {
+    (octaves > MIN_OCTAVES && most_apart <= MAX_ENTRY_GAP).then_some(Table {
         words: WordKind::Times,
         colours,
         value: [-LOG_BIAS, 1.0 / LOG_STEPS],

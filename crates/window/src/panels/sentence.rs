@@ -1,4 +1,4 @@
-//! Sentences of the library, in which names of settings stand between backquotes.
+//! Sentences of the crates below, in which names of settings stand between backquotes.
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, TextStyle, Ui};

@@ -8,12 +8,12 @@ use flipmap_scene::palette::{Palette, Rgb};
 /// Number of colours that a copy of a palette begins with.
 const COPIED: u32 = 7;
 /// Largest number of colours that are edited one by one.
-const MAX_EDITED: usize = 24;
+const MAX_EDITED_COLOURS: usize = 24;
 
 /// Shows the colours of a palette, and notes those that are changed, added or removed. A palette with a
 /// name is copied first.
 pub(super) fn stops(ui: &mut Ui, palette: &mut String) {
-    let stops = parse_list(palette).filter(|stops| stops.len() <= MAX_EDITED);
+    let stops = parse_list(palette).filter(|stops| stops.len() <= MAX_EDITED_COLOURS);
     let Some(mut stops) = stops else {
         let copy = ui.button("Edit a copy of the palette");
         if copy.on_hover_text("Its colours become a gradient of your own").clicked() {

@@ -5,12 +5,12 @@ use rayon::prelude::*;
 
 use super::{Slot, answer_bytes};
 use crate::gpu::packing::Packing;
-use crate::integrator_state::{MAX_CARRIED, carried_names};
+use crate::integrator_state::{MAX_CARRIED_NUMBERS, carried_names};
 use crate::pace::Pace;
 use crate::shared::{CountedOutcome, PackedWork, RawOutcome, from_parts, status_of};
 use crate::{
     Carried, Effort, EngineError, FinalState, IntegratorState, Job, JobResult, Keep, NUMBERS,
-    Precision, Starts, WantedEnd, start,
+    Precision, Starts, WantedEnds, start,
 };
 use flipmap_pendulum::{Accumulators, Outcome, Status};
 
@@ -60,7 +60,7 @@ impl Slot {
         };
         if self.job.keep != Keep::NOTHING {
             let Some(mut states) = self.read_states(raw) else { return Ok(None) };
-            if self.job.keep.ends != WantedEnd::None {
+            if self.job.keep.ends != WantedEnds::None {
                 finished.ends = self.ends(ended, &states);
             }
             if self.job.keep.states {
@@ -81,12 +81,12 @@ impl Slot {
     ) -> Vec<FinalState> {
         let (reduced, _) = self.job.question.reduced();
         match self.job.keep.ends {
-            WantedEnd::Growth => {
+            WantedEnds::Growth => {
                 let end = |state| start::end_with_growth(&reduced, state);
                 return states.par_iter().map(end).collect();
             }
-            WantedEnd::Return => return states.iter().map(start::end_with_return).collect(),
-            WantedEnd::None | WantedEnd::Plain => {}
+            WantedEnds::Return => return states.iter().map(start::end_with_return).collect(),
+            WantedEnds::None | WantedEnds::Plain => {}
         }
         let one = |(k, (raw, state)): (usize, (&RawOutcome, &IntegratorState))| {
             let flipped =
@@ -166,7 +166,7 @@ impl Slot {
         let ends = self.job.keep.ends;
         let count = NUMBERS + carried_names(ends).len();
         let paused = |i: usize| {
-            let mut all = [0.0; NUMBERS + MAX_CARRIED];
+            let mut all = [0.0; NUMBERS + MAX_CARRIED_NUMBERS];
             for (k, places) in self.places.iter().enumerate() {
                 let [high, low] = states[k * raw.len() + i];
                 match *places {

@@ -54,7 +54,7 @@ pub(in crate::gpu) struct BufferPool {
 }
 
 /// Largest number of free buffers: those of two jobs. The ones that have waited longest go first.
-const MAX_FREE: usize = 22;
+const MAX_FREE_BUFFERS: usize = 22;
 
 /// The size that is allocated for a buffer, so that jobs of nearly equal size can use each other's:
 /// at most a quarter more.
@@ -103,7 +103,7 @@ impl BufferPool {
         self.free.extend(
             buffers.starts.into_iter().flat_map(|starts| [AXES, PLACES].into_iter().zip(starts)),
         );
-        let extra = self.free.len().saturating_sub(MAX_FREE);
+        let extra = self.free.len().saturating_sub(MAX_FREE_BUFFERS);
         self.free.drain(..extra);
     }
 }
