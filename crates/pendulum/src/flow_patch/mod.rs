@@ -12,6 +12,7 @@
 
 mod coordinates;
 mod curve;
+mod dynamics;
 mod event;
 mod follower;
 mod graze;
@@ -19,9 +20,8 @@ mod nudges;
 
 pub use coordinates::CurveCoordinates;
 pub use curve::{CurvePoint, PatchCurve};
+pub use dynamics::Dynamics;
 pub(crate) use graze::Graze;
-
-use pulp::{Arch, Simd, WithSimd};
 
 use self::follower::{Follower, StepPlan};
 use crate::Pendulum;
@@ -36,37 +36,6 @@ use crate::transport::turns_between;
 use flipmap_numbers::Real;
 use flipmap_numbers::frame::Frame;
 use flipmap_numbers::jet::Jet;
-
-/// The dynamics that move a patch, in reduced units.
-#[derive(Clone, Copy, Debug)]
-pub struct Dynamics {
-    /// The five numbers of the pendulum.
-    pub pendulum: Pendulum<f64>,
-    /// The rule that says which bob is watched.
-    pub rule: Rule,
-    rates: Rates,
-    jets: Pendulum<Jet>,
-    inverse_scale: [f64; 2],
-}
-
-/// A step of all states, compiled for the widest registers of the processor. As a closure it would be
-/// compiled for the narrowest.
-struct CarryingStep<'a> {
-    dynamics: &'a Dynamics,
-    phase: &'a Phase<Jet>,
-    step: Jet,
-}
-
-impl WithSimd for CarryingStep<'_> {
-    type Output = Phase<Jet>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Phase<Jet> {
-        let CarryingStep { dynamics, phase, step } = self;
-        let scale = dynamics.inverse_scale.map(Jet::constant);
-        plus(phase, &dop853(&dynamics.jets, scale, phase, step).change)
-    }
-}
 
 /// A cell of starts in motion.
 #[derive(Clone, Debug)]
@@ -148,55 +117,6 @@ const LONGEST: f64 = 0.5;
 const SHORTEST: f64 = 1e-7;
 /// Reduced time within which a bob must turn round after a pass that is nearly a graze.
 const GRAZE_WITHIN: f64 = 1.0;
-
-impl Dynamics {
-    /// The dynamics of a pendulum in reduced units.
-    pub fn new(pendulum: Pendulum<f64>, rule: Rule) -> Self {
-        let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
-        Dynamics {
-            pendulum,
-            rule,
-            rates: Rates::new(&pendulum),
-            jets: pendulum.map(Jet::constant),
-            inverse_scale,
-        }
-    }
-
-    fn moment(&self, phase: Phase<f64>) -> StepState<f64> {
-        StepState { phase, speed: self.pendulum.speeds(&phase) }
-    }
-
-    /// The state of one pendulum after a step, and the error of that step.
-    fn moved(&self, phase: &Phase<f64>, step: f64) -> (Phase<f64>, f64) {
-        let trial = dop853(&self.pendulum, self.inverse_scale, phase, step);
-        (plus(phase, &trial.change), trial.error_squared.sqrt())
-    }
-
-    /// All states after a step whose length may itself differ from start to start.
-    fn carried(&self, phase: &Phase<Jet>, step: Jet) -> Phase<Jet> {
-        Arch::new().dispatch(CarryingStep { dynamics: self, phase, step })
-    }
-
-    /// The weights of a state's components: momenta count in units of their scale.
-    pub(crate) fn weights(&self) -> Phase<f64> {
-        let [p1, p2] = self.inverse_scale;
-        [1.0, 1.0, 1.0, 1.0, p1, p2]
-    }
-
-    /// The largest part that a state's polynomials leave out.
-    fn tail(&self, phase: &Phase<Jet>) -> f64 {
-        let weight = self.weights();
-        (0..6).map(|i| phase[i].tail() * weight[i]).fold(0.0, f64::max)
-    }
-}
-
-impl Dynamics {
-    /// A bound on the distance of some states from the middle one: unit vectors and scaled momenta.
-    fn spread(&self, phase: &Phase<Jet>) -> f64 {
-        let weight = self.weights();
-        (0..6).map(|i| phase[i].spread() * weight[i]).fold(0.0, f64::max)
-    }
-}
 
 /// The phase in the middle of the cell.
 fn middle(phase: &Phase<Jet>) -> Phase<f64> {

@@ -84,8 +84,11 @@ impl Palette {
         }
         let found = PALETTES.iter().find(|(known, _)| *known == name);
         let (name, text) = found.ok_or_else(|| {
-            let range = "the palettes are iris, batlow, viridis, magma, cividis, romao, lists of \
-                         colours (#000000,#ff8000,#ffffff) and files .map, .ugr and .gpl";
+            let names = Self::names().collect::<Vec<_>>().join(", ");
+            let range = format!(
+                "the palettes are {names}, lists of colours (#000000,#ff8000,#ffffff) and files \
+                 .map, .ugr and .gpl"
+            );
             SceneError::new("palette", format!("'{name}'"), range)
         })?;
         let table = text.lines().filter_map(parse_colour).map(tint_of).collect();
