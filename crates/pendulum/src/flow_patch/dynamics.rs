@@ -18,8 +18,8 @@ pub struct Dynamics {
     /// The rule that says which bob is watched.
     pub rule: Rule,
     pub(super) rates: Rates,
-    jets: Pendulum<Jet>,
-    inverse_scale: [f64; 2],
+    pub(super) jets: Pendulum<Jet>,
+    pub(super) inverse_scale: [f64; 2],
 }
 
 /// A step of all states, compiled for the widest registers of the processor. As a closure it would be

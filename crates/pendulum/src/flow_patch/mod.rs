@@ -25,10 +25,8 @@ pub(crate) use graze::Graze;
 
 use self::follower::{Follower, StepPlan};
 use crate::Pendulum;
-use crate::crossing::{FAR, StepState};
-use crate::embedded::{dop853, dop853_factor, plus};
-use crate::flip::Rule;
-use crate::opening::Rates;
+use crate::crossing::FAR;
+use crate::embedded::dop853_factor;
 use crate::phase::Phase;
 use crate::reference::{Reference, drop_digits};
 use crate::tangents::TangentMap;

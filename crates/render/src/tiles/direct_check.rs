@@ -70,6 +70,6 @@ impl<'a> DirectCheck<'a> {
         let is_wrong = |(channel, (a, b)): (&Channel, (&f64, f64))| {
             !channel.is_right(*a, b, 1.0, self.unit_secs)
         };
-        status == Status::AnsweredPixel && channels.any(is_wrong)
+        status == Status::Answered && channels.any(is_wrong)
     }
 }

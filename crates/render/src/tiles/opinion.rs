@@ -2,7 +2,7 @@
 //! pixels integrated directly.
 
 use super::Samples;
-use super::direct_check::{Answered, DirectCheck};
+use super::direct_check::{AnsweredPixel, DirectCheck};
 use super::open_tile::OpenTile;
 use super::reader::Reader;
 use flipmap_engine::trust::{Opinion, TrustEngine};
@@ -49,7 +49,7 @@ pub fn opinion(
     let is_sure = |place: &usize| {
         samples.trust(*place) != Trust::Uncertain && samples.get(*place).status != Status::Forbidden
     };
-    let answered = |place: usize| Answered {
+    let answered = |place: usize| AnsweredPixel {
         pixel: pixels[place],
         status: samples.get(place).status,
         values: samples.values(place).to_vec(),

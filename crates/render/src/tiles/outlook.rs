@@ -1,6 +1,6 @@
 //! The accuracy to expect of an unchecked picture, estimated from a sample of its pixels.
 
-use super::direct_check::{Answered, DirectCheck};
+use super::direct_check::{AnsweredPixel, DirectCheck};
 use super::open_tile::OpenTile;
 use super::reader::Reader;
 use flipmap_engine::trust::{AccuracyEstimate, Opinion};
@@ -53,7 +53,7 @@ pub fn outlook(
         let is_asked = is_told && !sample.beyond[k] && outcome.status != Status::Forbidden;
         let (status, values) = reader.read(&outcome, end);
         let values = values[..scene.question.ask.kind().channels.len()].to_vec();
-        is_asked.then_some(Answered { pixel: [column, row], status, values })
+        is_asked.then_some(AnsweredPixel { pixel: [column, row], status, values })
     });
     // Far apart in the sample, so that not all are of one leaf.
     let asked: Vec<_> = asked.collect();
