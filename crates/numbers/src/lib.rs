@@ -10,9 +10,9 @@
 //! ```
 //! use flipmap_numbers::Dd;
 //!
-//! let third = Dd::ONE / Dd::new(3.0);
-//! let error = third * Dd::new(3.0) - Dd::ONE;
-//! assert!(error.hi().abs() < 1e-31);
+//! let third = Dd::new(1.0) / Dd::new(3.0);
+//! let error = third * Dd::new(3.0) - Dd::new(1.0);
+//! assert!(error.hi.abs() < 1e-31);
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 

@@ -13,12 +13,10 @@
 //! * [`flip`] and [`crossing`] find the moment at which a bob passes the top.
 //!
 //! ```
-//! use flipmap_numbers::Dd;
 //! use flipmap_pendulum::{Pendulum, Rule, oracle};
 //!
 //! let pendulum = Pendulum::points([1.0, 1.0], [1.0, 1.0], 1.0);
-//! let released = [2.0, 2.0].map(Dd::new);
-//! let outcome = oracle::outcome(&pendulum, released, Rule::Second, 30.0);
+//! let outcome = oracle::outcome(&pendulum, [2.0f64, 2.0], Rule::Second, 30.0);
 //! println!("{:?} after {} units of time", outcome.status, outcome.time);
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]

@@ -45,7 +45,7 @@ pub enum Advance {
 /// }
 /// assert_eq!(rows.len(), 5);
 /// assert!((trace.passes()[0].time.hi - 0.564_452_316_577_663_8).abs() < 1e-12);
-/// # Ok::<(), crate::output::NotFinite>(())
+/// # Ok::<(), flipmap_render::output::NotFinite>(())
 /// ```
 pub struct Trace {
     pendulum: Pendulum<Dd>,
