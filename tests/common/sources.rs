@@ -20,5 +20,6 @@ pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
 /// The Rust files of the product: the program's and its crates'.
 pub(crate) fn product_files() -> Vec<PathBuf> {
     let crates = fs::read_dir("crates").unwrap().map(|entry| entry.unwrap().path().join("src"));
-    crates.chain(["src".into()]).flat_map(|folder| rust_files(&folder)).collect()
+    let others = ["assets", "shaders", "src"].map(PathBuf::from);
+    crates.chain(others).flat_map(|folder| rust_files(&folder)).collect()
 }

@@ -94,12 +94,14 @@ fn packages_hold_what_they_are_built_from_and_no_more() {
     }
     assert!(!names.iter().any(|name| name.starts_with("docs/") && name.ends_with(".png")));
     for (package, wanted) in [
-        ("flipmap-shaders", "flip.wgsl"),
-        ("flipmap-assets", "palettes/LICENSE-crameri.txt"),
-        ("flipmap-assets", "scenes/home.toml"),
-        ("flipmap-engine", "src/lib.rs"),
+        ("flipmap-shaders", &["flip.wgsl"][..]),
+        ("flipmap-assets", &["palettes/LICENSE-crameri.txt", "scenes/home.toml"]),
+        ("flipmap-engine", &["src/lib.rs"]),
     ] {
-        assert!(packaged(package).iter().any(|name| name == wanted), "{package}: {wanted}");
+        let names = packaged(package);
+        for wanted in wanted {
+            assert!(names.iter().any(|name| name == wanted), "{package}: {wanted}");
+        }
     }
 }
 

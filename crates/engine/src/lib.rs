@@ -1,9 +1,9 @@
 //! Engines: jobs of pendulum starts go in, their outcomes come out.
 //!
-//! An [`Engine`] knows nothing of pictures. It takes starts and an [`EventSpec`] and answers with one
-//! outcome per start, in the same order, however it arranges the work to be fast. Four lifetimes
-//! nest here: `Gpu` (a device, as long as the process), `Kernel` (a compiled `Design`), `Slot` (the
-//! buffers of one job in flight) and the job itself, which is plain data.
+//! An [`Engine`] knows nothing of pictures. It takes starts and an [`EventSpec`] and answers with
+//! one outcome per start, in the same order, however it arranges the work to be fast. Four
+//! lifetimes nest here: `Gpu` (a device, as long as the process), `Kernel` (a compiled `Design`),
+//! `Slot` (the buffers of one job in flight) and the job itself, which is plain data.
 //!
 //! * [`gpu`] runs kernels on any adapter that wgpu finds;
 //! * [`cpu`] runs the same physics over threads and SIMD lanes;
@@ -61,14 +61,15 @@ pub mod trust;
 
 use std::time::Instant;
 
-pub use cells::Cells;
-
-pub use depth::DepthStats;
-pub use end::FinalState;
 use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
 use flipmap_scene::{PendulumSpec, Scene};
+use pace::{Adaptive, Pace};
+
+pub use cells::Cells;
+pub use depth::DepthStats;
+pub use end::FinalState;
 pub(crate) use gpu::GpuStats;
 pub use gpu::GpuTuning;
 pub(crate) use integrator_state::Carried;
@@ -78,7 +79,6 @@ pub use kind::EngineKind;
 pub use level::Accuracy;
 pub use method::{Method, Precision};
 pub use one_job::run_job;
-use pace::{Adaptive, Pace};
 pub use starts::{Deep, Leaf, Onset, Separable, StartList, Starts};
 pub(crate) use starts::{Moving, MovingStarts};
 pub use trust::Trust;
@@ -299,8 +299,8 @@ pub trait Engine {
     fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError>;
     /// Drops all jobs in flight; their answers will not arrive.
     fn cancel(&mut self);
-    /// Begins another picture, which may be computed by a faster kernel with other roundings than the
-    /// one before.
+    /// Begins another picture, which may be computed by a faster kernel with other roundings than
+    /// the one before.
     fn begin_picture(&mut self) {}
     /// Number of jobs in flight that keep the engine busy.
     fn slots(&self) -> usize;
@@ -321,8 +321,8 @@ pub trait Engine {
     fn gpu_stats(&self) -> Option<GpuStats> {
         None
     }
-    /// Returns true if answers have been contradicted, so that all are to be marked, even those that are
-    /// known without this engine.
+    /// Returns true if answers have been contradicted, so that all are to be marked, even those
+    /// that are known without this engine.
     fn distrusts(&self) -> bool {
         false
     }

@@ -2,8 +2,8 @@
 //!
 //! Each figure is a [`LiveFigure`]: a state that advances in fixed steps whatever the frame rate, a
 //! drawing, controls, and its data as CSV. A window shows one at a time; [`still`] draws one
-//! without a window. The physics is `flipmap_pendulum`'s: no equation is written here. The seventh figure is
-//! the map itself; [`flips`] explains it.
+//! without a window. The physics is `flipmap_pendulum`'s: no equation is written here. The seventh
+//! figure is the map itself; [`flips`] explains it.
 //!
 //! ```
 //! use flipmap_lab::{Figure, Lab};

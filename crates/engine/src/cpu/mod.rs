@@ -1,8 +1,8 @@
 //! The engine that is always there: threads, and the widest SIMD lanes that the processor has.
 //!
-//! The equations are those of `flipmap_pendulum`, run on registers instead of scalars. A job is cut into
-//! chunks that the threads take as they become free; the answer of a pendulum does not depend on
-//! its chunk, its lane or its thread.
+//! The equations are those of `flipmap_pendulum`, run on registers instead of scalars. A job is cut
+//! into chunks that the threads take as they become free; the answer of a pendulum does not depend
+//! on its chunk, its lane or its thread.
 
 mod adaptive;
 mod custom;

@@ -34,7 +34,7 @@ pub(super) struct PartialResult {
     pub ends: Vec<FinalState>,
     /// States of the starts that are unflipped, if they are kept.
     pub unfinished: Vec<(usize, IntegratorState)>,
-    /// Number of its sub_jobs that have not come back.
+    /// Number of its sub-jobs that have not come back.
     pub sub_jobs: usize,
     /// Indices of the starts that have to be integrated one by one, and the states they are in.
     pub moving: Vec<(usize, Moving)>,

@@ -235,7 +235,7 @@ impl<'a> DepthEngine<'a> {
         self.landed()
     }
 
-    /// Continues the jobs that have no sub_jobs in flight, because theirs are complete or because
+    /// Continues the jobs that have no sub-jobs in flight, because theirs are complete or because
     /// they wait for samples of other jobs; returns the results of those that are complete.
     fn landed(&mut self) -> Vec<JobResult> {
         let is_ready = |awaited: &PartialResult| awaited.sub_jobs == 0;

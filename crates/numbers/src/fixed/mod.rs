@@ -20,7 +20,8 @@ use crate::real::{Angle, Real, Scalar};
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fixed<const N: usize>([u64; N]);
 
-/// A number of 512 bits, such as an angle for views of the plane down to widths of 1e-100 rad, with 34 digits to spare.
+/// A number of 512 bits, such as an angle for views of the plane down to widths of 1e-100 rad, with
+/// 34 digits to spare.
 pub type Exact = Fixed<8>;
 
 /// The limbs of π, highest first.

@@ -146,8 +146,8 @@ impl FilmSink {
     }
 }
 
-/// Paints a film whose frames are stills from their parts. `keep_going` takes the number of frames done and
-/// returns false to stop.
+/// Paints a film whose frames are stills from their parts. `keep_going` takes the number of frames
+/// done and returns false to stop.
 pub fn frames(
     film: &Film,
     frames: &[FrameTask],
@@ -181,7 +181,8 @@ struct EqualFrames {
     frames: Vec<(u32, Shot)>,
 }
 
-/// Paints a film from its parts. `keep_going` takes the number of frames done and returns false to stop.
+/// Paints a film from its parts. `keep_going` takes the number of frames done and returns false to
+/// stop.
 pub fn film(
     task: &Task,
     picture: &PictureTable,

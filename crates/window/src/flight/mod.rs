@@ -16,8 +16,7 @@ use std::sync::mpsc::{self, Receiver, TryRecvError};
 
 pub(crate) use self::agreement::Agreement;
 pub(crate) use self::playback::Playback;
-pub(crate) use self::record::Record;
-pub(crate) use self::record::{FlightEnding, Track};
+pub(crate) use self::record::{FlightEnding, Record, Track};
 pub(crate) use self::trail::Trail;
 use flipmap_engine::EventSpec;
 use flipmap_numbers::Dd;
