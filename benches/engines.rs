@@ -4,9 +4,9 @@
 //! `cargo bench` prints a table; quote the ratio, because machines differ and are shared. Rounds
 //! are interleaved, and the median of each engine is shown with its spread.
 
-use flipmap_engine::choice::open_checked;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::gpu::device;
+use flipmap_engine::gpu::open_checked;
 use flipmap_engine::{Engine, EventSpec, IntegratorConfig, Method, Precision};
 use flipmap_numbers::Dd;
 use flipmap_report::{baseline, stopwatch};

@@ -1,4 +1,4 @@
-// The data layout that host and kernels share. Counterpart: crates/engine/src/shared.rs; a test compares
+// The data layout that host and kernels share. Counterpart: crates/engine/src/gpu/shared.rs; a test compares
 // offsets.
 
 struct Job {

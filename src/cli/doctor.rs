@@ -3,11 +3,9 @@
 use std::fmt::Write as _;
 
 use clap::Args;
-use flipmap_engine::choice::{EngineRequest, INSTALL_HINT, choose, open_checked};
-use flipmap_engine::gpu::device::{adapters, describe};
-use flipmap_engine::level::FAST_TO_COMPILE;
+use flipmap_engine::adapters::{Adapter, AdapterFinding, INSTALL_HINT, Verdict};
+use flipmap_engine::choice::{EngineRequest, choose};
 use flipmap_engine::profile::{Profile, TimedPairs};
-use flipmap_engine::selfcheck::Verdict;
 use serde_json::{Value, json};
 
 use super::option_names::with_options;
@@ -22,22 +20,8 @@ pub(super) struct Options {
     json: bool,
 }
 
-/// Findings on one adapter.
-struct AdapterFinding {
-    adapter: wgpu::Adapter,
-    verdict: Result<Verdict, String>,
-}
-
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
-    let findings: Vec<AdapterFinding> = adapters()
-        .into_iter()
-        .map(|adapter| AdapterFinding {
-            verdict: open_checked(adapter.clone(), &FAST_TO_COMPILE)
-                .map(|engine| engine.verdict().clone())
-                .map_err(|error| error.to_string()),
-            adapter,
-        })
-        .collect();
+    let findings: Vec<AdapterFinding> = Adapter::all().iter().map(Adapter::finding).collect();
     if options.profile {
         let profile = Profile::measure(None, TimedPairs::OnHardware);
         if let Err(error) = profile.keep() {
@@ -71,23 +55,21 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
 }
 
 fn describe_finding(text: &mut String, finding: &AdapterFinding) -> anyhow::Result<()> {
-    let limits = finding.adapter.limits();
-    let features = finding.adapter.features();
-    let has = |feature| if features.contains(feature) { "yes" } else { "no" };
-    writeln!(text, "Adapter: {}", describe(&finding.adapter))?;
+    let has = |feature| if feature { "yes" } else { "no" };
+    writeln!(text, "Adapter: {}", finding.name)?;
     writeln!(
         text,
         "  features: f64 {}, subgroups {}, timestamps {}",
-        has(wgpu::Features::SHADER_F64),
-        has(wgpu::Features::SUBGROUP),
-        has(wgpu::Features::TIMESTAMP_QUERY),
+        has(finding.has_f64),
+        has(finding.has_subgroups),
+        has(finding.has_timestamps),
     )?;
     writeln!(
         text,
         "  limits: buffers of {} MiB, storage bindings of {} MiB, {} workgroups per dispatch",
-        limits.max_buffer_size >> 20,
-        limits.max_storage_buffer_binding_size >> 20,
-        limits.max_compute_workgroups_per_dimension,
+        finding.max_buffer_bytes >> 20,
+        finding.max_binding_bytes >> 20,
+        finding.max_workgroups,
     )?;
     match &finding.verdict {
         Err(error) => writeln!(text, "  cannot be used: {error}")?,
@@ -137,7 +119,6 @@ fn describe_profile(text: &mut String, profile: &Profile) -> anyhow::Result<()> 
 }
 
 fn as_json(finding: &AdapterFinding) -> Value {
-    let limits = finding.adapter.limits();
     let checks = |verdict: &Verdict| -> Vec<Value> {
         verdict
             .checks
@@ -153,10 +134,10 @@ fn as_json(finding: &AdapterFinding) -> Value {
             .collect()
     };
     json!({
-        "name": describe(&finding.adapter),
-        "f64": finding.adapter.features().contains(wgpu::Features::SHADER_F64),
-        "max_buffer_size": limits.max_buffer_size,
-        "max_storage_buffer_binding_size": limits.max_storage_buffer_binding_size,
+        "name": finding.name,
+        "f64": finding.has_f64,
+        "max_buffer_size": finding.max_buffer_bytes,
+        "max_storage_buffer_binding_size": finding.max_binding_bytes,
         "checks": finding.verdict.as_ref().map(checks).unwrap_or_default(),
         "offered": finding.verdict.as_ref().map(|v| json!({"f32": v.f32, "df32": v.df32, "f64": v.f64})).ok(),
         "error": finding.verdict.as_ref().err(),

@@ -2,7 +2,7 @@
 //! plain scalar RK4, and shares of right pixels.
 #![allow(dead_code)]
 
-use flipmap_engine::choice::open_checked;
+use flipmap_engine::gpu::open_checked;
 use flipmap_engine::gpu::{GpuEngine, device};
 use flipmap_engine::{
     Engine, EventSpec, IntegratorConfig, Job, JobResult, Keep, Method, Precision, Starts, Wait,
@@ -25,7 +25,7 @@ pub(crate) fn gpu_engine() -> GpuEngine {
     let adapter = adapter.unwrap_or_else(|| {
         panic!(
             "{}; or declare its absence with FLIPMAP_NO_GPU=1",
-            flipmap_engine::choice::INSTALL_HINT
+            flipmap_engine::adapters::INSTALL_HINT
         )
     });
     eprintln!("adapter: {}", device::describe(&adapter));

@@ -4,13 +4,13 @@ use std::time::{Duration, Instant};
 
 use crate::common::*;
 use crate::rewritten::Rewritten;
+use flipmap_engine::adapters::{Pairs, Verdict};
 use flipmap_engine::choice::{EngineRequest, IntegrationSetting, choose};
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::gpu::device::{Gpu, is_software};
-use flipmap_engine::gpu::pairs::Pairs;
+use flipmap_engine::gpu::selfcheck;
 use flipmap_engine::gpu::{GpuEngine, MAX_KERNELS};
 use flipmap_engine::level::{BALANCED_DF32, FAST_TO_COMPILE, FINEST};
-use flipmap_engine::selfcheck::{self, Verdict};
 use flipmap_engine::{
     Accuracy, Engine, EngineError, EngineKind, EventSpec, GpuTuning, IntegratorConfig, Job, Keep,
     Method, Precision, Starts, Wait,

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use crate::shader_structs::members;
 use crate::sources::{product_files, rust_files};
+use flipmap_engine::adapters::Pairs;
 use flipmap_engine::gpu::kernel::{Design, selfcheck_text};
-use flipmap_engine::gpu::pairs::Pairs;
-use flipmap_engine::level::{BALANCED, FAST, LESSON};
-use flipmap_engine::pace::Pace;
-use flipmap_engine::shared::{
+use flipmap_engine::gpu::shared::{
     CountedOutcome, JobHead, JobScene, Queue, RawOutcome, status_constants,
 };
+use flipmap_engine::level::{BALANCED, FAST, LESSON};
+use flipmap_engine::pace::Pace;
 use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, Trust, WantedEnds};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::{Rule, Status};

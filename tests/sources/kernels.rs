@@ -6,11 +6,11 @@ use std::mem::offset_of;
 use std::path::Path;
 
 use crate::shader_structs::members;
+use flipmap_engine::adapters::Pairs;
 use flipmap_engine::gpu::kernel::{Design, pack_text, selfcheck_text};
 use flipmap_engine::gpu::packing::Packing;
-use flipmap_engine::gpu::pairs::Pairs;
+use flipmap_engine::gpu::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
 use flipmap_engine::pace::Pace;
-use flipmap_engine::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
 use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, WantedEnds};
 use flipmap_pendulum::Rule;
 use flipmap_scene::PendulumSpec;

@@ -1,17 +1,12 @@
 //! The choice of an engine and a configuration: what was requested, what is available, and the
 //! reason for the choice.
 
-use super::background::on_its_own_thread;
+use super::adapters::{self, Adapter, GpuTuning, INSTALL_HINT};
 use super::cpu::CpuEngine;
 use super::depth::{DepthEngine, Following};
-use super::gpu::device::{Gpu, adapters, describe};
-use super::gpu::{GpuEngine, GpuTuning};
-use super::level::FINEST;
 use super::profile::{Profile, ProfileRow};
 use super::threads::threads_beside;
-use super::{
-    Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, WantedEnds, selfcheck,
-};
+use super::{Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, WantedEnds};
 use flipmap_scene::QuestionSettings;
 
 /// A user's request for an engine.
@@ -145,10 +140,6 @@ pub struct Chosen {
     pub request: EngineRequest,
 }
 
-/// Advice for Debian when there is no adapter.
-pub const INSTALL_HINT: &str = "no Vulkan adapter was found; on Debian or Ubuntu install one with: \
-     apt-get install libvulkan1 mesa-vulkan-drivers";
-
 /// Chooses and starts an engine; `tell` receives a message before anything that takes long.
 pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let chosen = match (request.kind, &request.adapter) {
@@ -167,7 +158,7 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
 fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let configs = request.configs();
     let on_cpu = configs.iter().any(CpuEngine::offers);
-    if on_cpu && !configs.iter().any(GpuEngine::has) {
+    if on_cpu && !configs.iter().any(Adapter::has_kernels) {
         return cpu(request, "only the processor has this method and precision".to_string());
     }
     if configs.iter().all(|config| config.method.is_series()) {
@@ -231,67 +222,32 @@ fn cpu(request: &EngineRequest, why: String) -> Result<Chosen, ChoiceError> {
 /// Opens the first adapter that matches and is trusted with the setting; otherwise returns the
 /// reasons why none is.
 fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, ChoiceError> {
-    let name = request.adapter.as_deref();
-    let all = adapters();
-    if all.is_empty() {
+    let fitting = adapters::matching(request.adapter.as_deref())?;
+    if fitting.is_empty() {
         return Ok(Err(INSTALL_HINT.to_string()));
-    }
-    let fits = |adapter: &wgpu::Adapter| {
-        let described = describe(adapter).to_lowercase();
-        name.is_none_or(|name| described.contains(&name.to_lowercase()))
-    };
-    let (fitting, others): (Vec<_>, Vec<_>) = all.into_iter().partition(fits);
-    if let (Some(wanted), true) = (name, fitting.is_empty()) {
-        let found = others.iter().map(describe).collect::<Vec<_>>().join(", ");
-        return Err(ChoiceError::UnknownAdapter { wanted: wanted.to_string(), found });
     }
     let profile = Profile::kept(request.threads);
     let mut failures = Vec::new();
     for adapter in fitting {
         let configs = configs_on(&adapter, request, profile.as_ref());
-        match sound(&adapter, request, configs) {
-            Ok((mut engine, config)) => {
-                if request.verifies() && engine.checks_by(&FINEST) {
-                    engine.check_orbits(&FINEST)?;
-                }
-                let why = format!("{} passed the self-check", engine.adapter());
-                let engine = served(engine, request, config, &why)?;
-                let following = Following::default();
-                let request = request.clone();
-                return Ok(Ok(Chosen { engine, config, why, following, request }));
-            }
-            Err(why) => failures.push(format!("{}: {why}", describe(&adapter))),
+        match adapter.serve(request, configs)? {
+            Ok(chosen) => return Ok(Ok(chosen)),
+            Err(why) => failures.push(format!("{}: {why}", adapter.name())),
         }
     }
     Ok(Err(failures.join("; ")))
 }
 
-/// An engine as the request wants it: on a thread of its own or not.
-fn served(
-    engine: GpuEngine,
-    request: &EngineRequest,
-    config: IntegratorConfig,
-    why: &str,
-) -> Result<Box<dyn Engine>, EngineError> {
-    if !request.own_thread {
-        return Ok(Box::new(engine));
-    }
-    let offered = engine.checks();
-    let served = on_its_own_thread(engine, config, why, offered)
-        .map_err(|error| EngineError::Unsupported(format!("cannot start a thread: {error}")))?;
-    Ok(Box::new(served))
-}
-
 /// The configurations that satisfy a request; the one that is fastest on the adapter comes first if
 /// it is known.
 fn configs_on(
-    adapter: &wgpu::Adapter,
+    adapter: &Adapter,
     request: &EngineRequest,
     profile: Option<&Profile>,
 ) -> Vec<IntegratorConfig> {
     let mut configs = request.configs();
     if let (IntegrationSetting::Accuracy(accuracy), Some(profile)) = (request.setting, profile) {
-        let name = describe(adapter);
+        let name = adapter.name();
         let fastest = profile.fastest(accuracy, |row| row.adapter == name);
         let place = fastest
             .and_then(ProfileRow::config)
@@ -301,40 +257,6 @@ fn configs_on(
         }
     }
     configs
-}
-
-/// Opens an engine on the adapter, with the first configuration that it is trusted with.
-fn sound(
-    adapter: &wgpu::Adapter,
-    request: &EngineRequest,
-    configs: Vec<IntegratorConfig>,
-) -> Result<(GpuEngine, IntegratorConfig), String> {
-    let mut engine = open_checked(adapter.clone(), &[]).map_err(|error| error.to_string())?;
-    engine.tune(request.tuning);
-    let mut refusals = Vec::new();
-    for config in configs {
-        // Checks only the orbits that are needed: some kernels take long to compile.
-        let checked = GpuEngine::require_ends(&config, request.ends)
-            .and_then(|()| engine.require(&config))
-            .and_then(|()| engine.check_orbits(&config));
-        match checked.and_then(|()| engine.require(&config)) {
-            Ok(()) => return Ok((engine, config)),
-            Err(why) => refusals.push(why.to_string()),
-        }
-    }
-    Err(refusals.join("; "))
-}
-
-/// Opens an engine on an adapter, its arithmetic judged by sums and by orbits in each of `configs`.
-pub fn open_checked(
-    adapter: wgpu::Adapter,
-    configs: &[IntegratorConfig],
-) -> Result<GpuEngine, EngineError> {
-    let gpu = Gpu::open(adapter)?;
-    let verdict = selfcheck::run(&gpu)?;
-    let mut engine = GpuEngine::new(gpu, verdict);
-    configs.iter().try_for_each(|config| engine.check_orbits(config))?;
-    Ok(engine)
 }
 
 #[cfg(test)]

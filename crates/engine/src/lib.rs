@@ -5,13 +5,13 @@
 //! lifetimes nest here: `Gpu` (a device, as long as the process), `Kernel` (a compiled `Design`),
 //! `Slot` (the buffers of one job in flight) and the job itself, which is plain data.
 //!
-//! * [`gpu`] runs kernels on any adapter that wgpu finds;
+//! * [`adapters`] lists graphics adapters, and `gpu` runs kernels on them (feature `gpu`);
 //! * [`cpu`] runs the same physics over threads and SIMD lanes;
 //! * [`depth`] follows the starts of a deep zoom to the point where another engine can take over;
 //! * [`background`] runs any of them on a thread of its own;
 //! * [`mock`] answers at once, for tests of everything above engines;
 //! * [`trust`] checks the answers of another engine until two methods agree;
-//! * [`selfcheck`] decides which arithmetic of an adapter is trusted, [`profile`] measures what the
+//! * `gpu::selfcheck` decides which arithmetic of an adapter is trusted, [`profile`] measures what the
 //!   configurations cost, [`choice`] selects an engine and a configuration, and [`run_settings`]
 //!   turns the words of a request into settings.
 //!
@@ -30,13 +30,17 @@
 //! # Ok::<(), flipmap_engine::EngineError>(())
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
+// States, steps and verdicts have parts that only kernels read.
+#![cfg_attr(not(feature = "gpu"), allow(dead_code, unused_imports))]
 
+pub mod adapters;
 pub mod background;
 mod cells;
 pub mod choice;
 pub mod cpu;
 pub mod depth;
 mod end;
+#[cfg(feature = "gpu")]
 pub mod gpu;
 mod integrator_state;
 mod keep;
@@ -50,12 +54,9 @@ pub mod pace;
 pub mod plain_file;
 pub mod profile;
 pub mod run_settings;
-pub mod selfcheck;
-pub mod shared;
 mod slowed;
 pub mod start;
 mod starts;
-mod symbol;
 pub mod threads;
 pub mod trust;
 
@@ -67,11 +68,11 @@ use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
 use flipmap_scene::{PendulumSpec, Scene};
 use pace::{Adaptive, Pace};
 
+pub(crate) use adapters::GpuStats;
+pub use adapters::GpuTuning;
 pub use cells::Cells;
 pub use depth::DepthStats;
 pub use end::FinalState;
-pub(crate) use gpu::GpuStats;
-pub use gpu::GpuTuning;
 pub(crate) use integrator_state::Carried;
 pub use integrator_state::{IntegratorState, NUMBERS};
 pub use keep::{Keep, WantedEnds};

@@ -11,14 +11,13 @@ use std::time::Instant;
 use etcetera::BaseStrategy;
 use serde::{Deserialize, Serialize};
 
-use super::choice::open_checked;
+use super::adapters::{Adapter, GpuTuning};
 use super::cpu::{CpuEngine, instruction_set};
-use super::gpu::device::{adapters, describe, is_one_device, is_software};
 use super::level::{BALANCED, BALANCED_DF32, FAST, FAST_TO_COMPILE, LESSON};
 use super::plain_file::read_plain;
 use super::{
     Accuracy, Engine, EngineError, EngineKind, EventSpec, IntegratorConfig, Job, JobResult, Keep,
-    Precision, Starts, Wait,
+    Starts, Wait,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status, oracle};
@@ -42,7 +41,7 @@ pub struct ProfileRow {
     pub accuracy: Accuracy,
     /// The kind of engine.
     pub engine: EngineKind,
-    /// The adapter as [`describe`] gives it; empty for the processor.
+    /// The adapter as [`Adapter::name`] gives it; empty for the processor.
     pub adapter: String,
     /// Name of the method.
     pub method: String,
@@ -111,20 +110,18 @@ impl Profile {
             Ok(mut engine) => profile.add(&mut engine, "", &CPU_CONFIGS, &sample, SIDE),
             Err(error) => profile.refused.push(format!("cpu: {error}")),
         }
-        let mut measured: Vec<wgpu::AdapterInfo> = Vec::new();
-        for adapter in adapters() {
-            let (name, info) = (describe(&adapter), adapter.get_info());
-            if measured.iter().any(|other| is_one_device(other, &info)) {
+        let mut measured: Vec<Adapter> = Vec::new();
+        for adapter in Adapter::all() {
+            if measured.iter().any(|other| other.is_one_device_with(&adapter)) {
                 continue;
             }
-            let hardware = !is_software(&adapter);
-            match open_checked(adapter, &FAST_TO_COMPILE) {
+            let (name, hardware) = (adapter.name(), !adapter.is_software());
+            match adapter.open(GpuTuning::default(), &FAST_TO_COMPILE) {
                 Ok(mut engine) => {
-                    let has_f64 = engine.verdict().require(Precision::F64).is_ok();
-                    let configs = pairs.configs(hardware, has_f64);
+                    let configs = pairs.configs(hardware, engine.offers(&BALANCED));
                     let largest = if hardware { MAX_SIDE } else { SIDE };
-                    profile.add(&mut engine, &name, configs, &sample, largest);
-                    measured.push(info);
+                    profile.add(engine.as_mut(), &name, configs, &sample, largest);
+                    measured.push(adapter);
                 }
                 Err(error) => profile.refused.push(format!("{name}: {error}")),
             }
@@ -307,7 +304,7 @@ fn open_starts(side: u32) -> Vec<[Dd; 2]> {
 
 /// Identifies the machine and the program that a profile is measured on, as one line.
 fn key(threads: Option<usize>) -> String {
-    let adapters: Vec<String> = adapters().iter().map(describe).collect();
+    let adapters: Vec<String> = Adapter::all().iter().map(Adapter::name).collect();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let version = env!("CARGO_PKG_VERSION");
     let build = if cfg!(debug_assertions) { "debug" } else { "release" };
@@ -356,6 +353,7 @@ fn write(path: &Path, profile: &Profile) -> std::io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Precision;
 
     fn row(accuracy: Accuracy, engine: EngineKind, us_per_pixel: f64) -> ProfileRow {
         let config = accuracy.configs()[0];

@@ -5,7 +5,7 @@ use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 
 use super::Lab;
 use flipmap_engine::EngineError;
-use flipmap_engine::choice::INSTALL_HINT;
+use flipmap_engine::adapters::INSTALL_HINT;
 use flipmap_engine::gpu::device::{Gpu, adapters};
 
 /// A picture in RGB, in rows from the top.

@@ -1,19 +1,24 @@
 //! The engines that a report measures.
 
 use super::{Refusal, ReportError, StopTest};
-use flipmap_engine::choice::{ChoiceError, INSTALL_HINT, open_checked};
+use flipmap_engine::adapters::{self, Adapter, INSTALL_HINT};
+use flipmap_engine::choice::ChoiceError;
 use flipmap_engine::cpu::CpuEngine;
-use flipmap_engine::gpu::GpuEngine;
-use flipmap_engine::gpu::device::{adapters, describe};
 use flipmap_engine::level::FAST_TO_COMPILE;
-use flipmap_engine::{Engine, EngineError, EngineKind};
+use flipmap_engine::{Engine, EngineError, EngineKind, GpuTuning};
 
 /// An engine that a report measures.
-pub enum Backend {
+pub struct Backend {
+    engine: Box<dyn Engine>,
+    device: Device,
+}
+
+/// The hardware of an engine.
+enum Device {
     /// The processor, with its number of threads.
-    Cpu(Box<CpuEngine>, usize),
+    Processor(usize),
     /// A graphics adapter.
-    Gpu(Box<GpuEngine>),
+    Adapter(Adapter),
 }
 
 /// Selection of the engines to measure.
@@ -30,36 +35,42 @@ pub struct BackendFilter {
 }
 
 impl Backend {
+    /// Starts the processor's engine; `None` for as many threads as it has.
+    pub(crate) fn processor(threads: Option<usize>) -> Result<Self, EngineError> {
+        let engine = Box::new(CpuEngine::new(threads)?);
+        let threads = threads.unwrap_or_else(rayon::current_num_threads);
+        Ok(Backend { engine, device: Device::Processor(threads) })
+    }
+
     /// Returns the backend as an engine.
     pub(crate) fn engine(&mut self) -> &mut dyn Engine {
-        match self {
-            Backend::Cpu(engine, _) => engine.as_mut(),
-            Backend::Gpu(engine) => engine.as_mut(),
-        }
+        self.engine.as_mut()
     }
 
     /// The kind of engine.
     pub(crate) fn kind(&self) -> EngineKind {
-        match self {
-            Backend::Cpu(..) => EngineKind::Cpu,
-            Backend::Gpu(_) => EngineKind::Gpu,
-        }
+        self.engine.kind()
     }
 
     /// The adapter, or the processor's threads and SIMD width.
     pub(crate) fn adapter(&self) -> String {
-        match self {
-            Backend::Cpu(engine, _) => engine.adapter(),
-            Backend::Gpu(engine) => engine.adapter(),
-        }
+        self.engine.adapter()
     }
 
     /// Number of threads if the processor computes, `None` for an adapter.
     pub(crate) fn threads(&self) -> Option<usize> {
-        match self {
-            Backend::Cpu(_, threads) => Some(*threads),
-            Backend::Gpu(_) => None,
+        match self.device {
+            Device::Processor(threads) => Some(threads),
+            Device::Adapter(_) => None,
         }
+    }
+
+    /// Opens a second engine on the adapter, whose kernels read their scene as data; `None` for the
+    /// processor.
+    pub(crate) fn general(&self) -> Result<Option<Box<dyn Engine>>, EngineError> {
+        let Device::Adapter(adapter) = &self.device else { return Ok(None) };
+        let tuning = GpuTuning { general: true, ..GpuTuning::default() };
+        adapter.open(tuning, &[]).map(Some)
     }
 
     /// The engine's full name: `cpu` or `gpu`, and the adapter.
@@ -91,17 +102,17 @@ pub(crate) fn discover(
         if stop() {
             return Err(ReportError::Stopped);
         }
-        match open_checked(adapter.clone(), &FAST_TO_COMPILE) {
-            Ok(engine) => backends.push(Backend::Gpu(Box::new(engine))),
+        match adapter.open(GpuTuning::default(), &FAST_TO_COMPILE) {
+            Ok(engine) => backends.push(Backend { engine, device: Device::Adapter(adapter) }),
             Err(error) => refusals.push(Refusal {
-                engine: format!("gpu: {}", describe(&adapter)),
+                engine: format!("gpu: {}", adapter.name()),
                 what: "anything".to_string(),
                 reason: error.to_string(),
             }),
         }
     }
     if !field.only_gpu {
-        backends.push(processor(field.threads)?);
+        backends.push(Backend::processor(field.threads)?);
     }
     if backends.is_empty() {
         let reasons: Vec<&str> = refusals.iter().map(|refusal| refusal.reason.as_str()).collect();
@@ -111,27 +122,13 @@ pub(crate) fn discover(
 }
 
 /// Returns the requested adapters; requesting one that is not present is an error.
-fn fitting(field: &BackendFilter) -> Result<Vec<wgpu::Adapter>, ChoiceError> {
+fn fitting(field: &BackendFilter) -> Result<Vec<Adapter>, ChoiceError> {
     if field.only_cpu {
         return Ok(Vec::new());
     }
-    let found = adapters();
+    let found = adapters::matching(field.adapter.as_deref())?;
     if found.is_empty() && (field.only_gpu || field.adapter.is_some()) {
         return Err(ChoiceError::NoAdapter(format!("{INSTALL_HINT}; or use `engine` cpu")));
     }
-    let Some(wanted) = &field.adapter else { return Ok(found) };
-    let fits =
-        |adapter: &wgpu::Adapter| describe(adapter).to_lowercase().contains(&wanted.to_lowercase());
-    let (fitting, others): (Vec<_>, Vec<_>) = found.into_iter().partition(fits);
-    if fitting.is_empty() {
-        let found = others.iter().map(describe).collect::<Vec<_>>().join(", ");
-        return Err(ChoiceError::UnknownAdapter { wanted: wanted.clone(), found });
-    }
-    Ok(fitting)
-}
-
-fn processor(threads: Option<usize>) -> Result<Backend, EngineError> {
-    let engine = CpuEngine::new(threads)?;
-    let threads = threads.unwrap_or_else(rayon::current_num_threads);
-    Ok(Backend::Cpu(Box::new(engine), threads))
+    Ok(found)
 }

@@ -161,7 +161,6 @@ mod tests {
     use super::*;
     use crate::windows::{LATE, WINDOWS};
     use crate::{TestSet, Thoroughness, plan};
-    use flipmap_engine::cpu::CpuEngine;
 
     const FEW: Thoroughness = Thoroughness {
         window_starts: 100,
@@ -173,8 +172,7 @@ mod tests {
     fn with_bench<T>(measure: impl Fn(&Bench, &mut Backend) -> T) -> T {
         let test_set = TestSet::home(0, &|| false).unwrap();
         let bench = Bench { test_set: &test_set, care: &FEW, threads: Some(2), stop: &|| false };
-        let engine = CpuEngine::new(Some(2)).unwrap();
-        measure(&bench, &mut Backend::Cpu(Box::new(engine), 2))
+        measure(&bench, &mut Backend::processor(Some(2)).unwrap())
     }
 
     #[test]

@@ -285,7 +285,6 @@ mod tests {
     use super::super::{Thoroughness, fixtures};
     use super::*;
     use crate::TestSet;
-    use flipmap_engine::cpu::CpuEngine;
 
     #[test]
     fn the_long_film_takes_as_long_as_its_samples_and_its_frames() {
@@ -322,7 +321,7 @@ mod tests {
     fn zooms_are_sampled_in_full_and_a_stop_is_heard() {
         let zoom = ShortZoom { width_rad: 1.0, octaves: 1, size: [16, 16] };
         let test_set = TestSet::home(0, &|| false).unwrap();
-        let mut backend = Backend::Cpu(Box::new(CpuEngine::new(Some(1)).unwrap()), 1);
+        let mut backend = Backend::processor(Some(1)).unwrap();
         let mut measure = |stop: &(dyn Fn() -> bool + Sync)| {
             let care = &Thoroughness::QUICK;
             Bench { test_set: &test_set, care, threads: Some(1), stop }.zoom(&zoom, &mut backend)

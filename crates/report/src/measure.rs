@@ -111,27 +111,21 @@ impl Bench<'_> {
         config: IntegratorConfig,
     ) -> Result<Option<Specialising>, ReportError> {
         let adapter = backend.adapter();
-        let Backend::Gpu(engine) = backend else { return Ok(None) };
-        let rough = self.rough_us(engine.as_mut(), config)?;
+        let Some(mut general) = backend.general()? else { return Ok(None) };
+        let rough = self.rough_us(backend.engine(), config)?;
         let least = least_starts(&config, true);
-        let starts = self.timed_starts(engine.as_mut(), config, rough, least)?;
+        let starts = self.timed_starts(backend.engine(), config, rough, least)?;
+        let mut engines = [general.as_mut(), backend.engine()];
         let mut times = [Vec::new(), Vec::new()];
-        let mut measure = || -> Result<(), ReportError> {
-            // The first round compiles the general kernel.
-            for round in 0..=self.care.rounds {
-                for (list, specialised) in times.iter_mut().zip([false, true]) {
-                    engine.set_specialised(specialised);
-                    let us = self.run(engine.as_mut(), config, &starts)?.us_per_pixel;
-                    if round > 0 {
-                        list.push(us);
-                    }
+        // The first round compiles the general kernel.
+        for round in 0..=self.care.rounds {
+            for (list, engine) in times.iter_mut().zip(&mut engines) {
+                let us = self.run(*engine, config, &starts)?.us_per_pixel;
+                if round > 0 {
+                    list.push(us);
                 }
             }
-            Ok(())
-        };
-        let measured = measure();
-        engine.set_specialised(true);
-        measured?;
+        }
         let ratios: Vec<f64> = times[0].iter().zip(&times[1]).map(|(a, b)| a / b).collect();
         let [general, specialised] = times.map(|times| median(&times).unwrap_or(f64::NAN));
         Ok(Some(Specialising {

@@ -8,7 +8,7 @@ use super::hard::{self, HardCase};
 use super::questions::measured_questions;
 use super::windows::{self, Window};
 use super::{Backend, plan};
-use flipmap_engine::IntegratorConfig;
+use flipmap_engine::{EngineKind, IntegratorConfig};
 use flipmap_scene::question::QuestionName;
 
 /// A part of a report that can be measured by itself.
@@ -107,7 +107,7 @@ impl Measurement {
     pub(super) fn all(backends: &[Backend], quick: bool, only: &[Chapter]) -> Vec<Self> {
         let mut tasks = Vec::new();
         for (index, backend) in backends.iter().enumerate() {
-            let subjects = of_home(quick, matches!(backend, Backend::Gpu(_)));
+            let subjects = of_home(quick, backend.kind() == EngineKind::Gpu);
             tasks.extend(subjects.into_iter().map(|subject| (index, subject)));
         }
         // The last backend is the processor, if it takes part.
@@ -211,10 +211,9 @@ impl Subject {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_engine::cpu::CpuEngine;
 
     fn names(quick: bool, only: &[Chapter]) -> Vec<String> {
-        let backends = [Backend::Cpu(Box::new(CpuEngine::new(Some(1)).unwrap()), 1)];
+        let backends = [Backend::processor(Some(1)).unwrap()];
         let tasks = Measurement::all(&backends, quick, only);
         tasks.iter().map(|task| task.name(&backends)).collect()
     }

@@ -1,7 +1,7 @@
 //! Speeds of kernels, from which the lengths of slices follow.
 
+use super::GpuTuning;
 use super::kernel::Design;
-use super::tuning::GpuTuning;
 
 /// The slices of one submission.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,9 @@
 use super::device::is_software;
 use super::kernel::Design;
 use super::kernels::Haste;
+use super::selfcheck;
 use super::{GpuEngine, GpuTuning};
-use crate::selfcheck::{self, Check, Verdict};
+use crate::adapters::{Check, Verdict};
 use crate::{EngineError, IntegratorConfig, WantedEnds};
 
 impl GpuEngine {

@@ -15,10 +15,10 @@ use self::values::{
 };
 use super::maths;
 use super::packing::Packing;
-use super::pairs::Pairs;
+use crate::adapters::Pairs;
+use crate::gpu::shared::status_constants;
 use crate::integrator_state::{LOG_SCALE, SEARCH, STARTS, carried_names};
 use crate::pace::Pace;
-use crate::shared::status_constants;
 use crate::slowed::least_energy;
 use crate::start::{ANGLES, PHASE};
 use crate::{EngineError, EventSpec, IntegratorConfig, Method, Precision, WantedEnds};

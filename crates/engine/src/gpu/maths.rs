@@ -3,9 +3,9 @@
 mod series;
 
 use super::kernel::{Design, Scheme};
+use crate::gpu::symbol::{Dialect, Symbol, literal, variable, write_maths};
 use crate::integrator_state::{SLOPES, STARTS};
 use crate::start::PHASE;
-use crate::symbol::{Dialect, Symbol, literal, variable, write_maths};
 use crate::{Precision, WantedEnds};
 use flipmap_numbers::dual::Dual;
 use flipmap_numbers::polynomial::quintic_hermite;

@@ -6,6 +6,7 @@
 //! asynchronously, and makes the next submission longer or shorter so that none runs longer than
 //! the pace. Results do not depend on the pace.
 
+mod adapter;
 mod clock;
 pub mod device;
 mod judged;
@@ -13,17 +14,17 @@ pub mod kernel;
 mod kernels;
 mod maths;
 pub mod packing;
-pub mod pairs;
-pub(crate) mod pipeline;
+mod pipeline;
+pub mod selfcheck;
+pub mod shared;
 mod slot;
-mod stats;
-mod tuning;
+mod symbol;
 
-use crate::EngineKind;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+pub use self::adapter::{Adapter, open_checked};
 use self::clock::StepClock;
 use self::device::Gpu;
 use self::kernel::Design;
@@ -32,11 +33,10 @@ use self::kernels::{Haste, Kernels};
 use self::packing::Packer;
 use self::pipeline::Kernel;
 use self::slot::{BufferPool, FinishedSlices, Slot, SlotEvent};
-pub(crate) use self::stats::GpuStats;
-pub use self::tuning::GpuTuning;
-use super::selfcheck::Verdict;
-use super::{
-    Engine, EngineError, IntegratorConfig, Job, JobResult, Precision, Starts, Wait, start,
+use crate::adapters::{GpuStats, GpuTuning, Verdict};
+use crate::{
+    Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Precision, Starts, Wait,
+    start,
 };
 
 /// Largest number of losses after which the device is opened again.

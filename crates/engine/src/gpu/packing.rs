@@ -10,7 +10,7 @@ use super::device::Gpu;
 use super::kernel::{Design, pack_text};
 use super::pipeline::{bind, compute_pipeline, layout, workgroups};
 use crate::Precision;
-use crate::shared::{NO_MOMENT, RawOutcome};
+use crate::gpu::shared::{NO_MOMENT, RawOutcome};
 use flipmap_pendulum::Status;
 
 /// The words that are kept of an outcome: the first part of the moment or the status, and these.
@@ -115,7 +115,7 @@ impl Pipeline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shared::RUNNING;
+    use crate::gpu::shared::RUNNING;
 
     #[test]
     fn words_hold_a_moment_or_a_status() {

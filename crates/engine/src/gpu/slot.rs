@@ -47,8 +47,8 @@ use super::clock::Slices;
 use super::device::Gpu;
 use super::packing::{Packer, Packing};
 use super::pipeline::Kernel;
+use crate::gpu::shared::{CountedOutcome, JobHead, PackedWork, Queue, RawOutcome, to_parts};
 use crate::pace::Pace;
-use crate::shared::{CountedOutcome, JobHead, PackedWork, Queue, RawOutcome, to_parts};
 use crate::start::places;
 use crate::{EngineError, Job, JobResult, Keep, Starts};
 

@@ -12,7 +12,7 @@ use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
 use super::kept::{Changes, DrawingSurface, KeptPicture};
 use super::sample::WordKind;
 use crate::camera::Screen;
-use flipmap_engine::shared::status_constants;
+use flipmap_engine::gpu::shared::status_constants;
 use flipmap_render::tiles::Samples;
 use flipmap_scene::lattice::SIDE;
 use flipmap_scene::palette::Relief;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::Precision;
-use crate::gpu::pairs::Pairs;
+use crate::adapters::Pairs;
 use crate::integrator_state::SLOPES;
 use flipmap_pendulum::tangents::LARGE;
 

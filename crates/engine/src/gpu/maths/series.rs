@@ -1,8 +1,8 @@
 //! A Taylor step on symbols (counterpart: `cpu/taylor.rs`).
 
 use super::Design;
+use crate::gpu::symbol::{Symbol, call, literal, variable, write_maths};
 use crate::start::PHASE;
-use crate::symbol::{Symbol, call, literal, variable, write_maths};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
 

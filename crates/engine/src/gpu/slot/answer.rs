@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use super::{Slot, answer_bytes};
 use crate::gpu::packing::Packing;
+use crate::gpu::shared::{CountedOutcome, PackedWork, RawOutcome, from_parts, status_of};
 use crate::integrator_state::{MAX_CARRIED_NUMBERS, carried_names};
 use crate::pace::Pace;
-use crate::shared::{CountedOutcome, PackedWork, RawOutcome, from_parts, status_of};
 use crate::{
     Carried, Effort, EngineError, FinalState, IntegratorState, Job, JobResult, Keep, NUMBERS,
     Precision, Starts, WantedEnds, start,
@@ -267,7 +267,7 @@ pub(super) fn read<T: Pod>(buffer: &wgpu::Buffer, offset: u64, count: usize) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shared::RUNNING;
+    use crate::gpu::shared::RUNNING;
 
     fn raw(status: u32) -> RawOutcome {
         RawOutcome { status, ..RawOutcome::default() }

@@ -6,10 +6,10 @@
 use wgpu::BufferUsages as Usage;
 
 use super::{WORK_BYTES, outcome_size};
+use crate::adapters::MAX_SLICES;
 use crate::gpu::device::Gpu;
 use crate::gpu::pipeline::Kernel;
-use crate::gpu::tuning::MAX_SLICES;
-use crate::shared::{JobHead, JobScene, Queue};
+use crate::gpu::shared::{JobHead, JobScene, Queue};
 use crate::{EngineError, Job, Keep, Precision};
 
 /// The buffers of a job. Each may be larger than the job needs.

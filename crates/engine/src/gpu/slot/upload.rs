@@ -7,7 +7,7 @@ use super::Slot;
 use super::axes::Axes;
 use crate::gpu::device::Gpu;
 use crate::gpu::pipeline::workgroups;
-use crate::shared::{CountedOutcome, JobHead, JobScene, Queue, RUNNING, RawOutcome, to_parts};
+use crate::gpu::shared::{CountedOutcome, JobHead, JobScene, Queue, RUNNING, RawOutcome, to_parts};
 use crate::{IntegratorState, Precision, Starts, start};
 use flipmap_pendulum::crossing::FAR;
 

@@ -86,7 +86,7 @@ impl GpuTuning {
 /// 32 invocations each.
 const MAX_STARTS: u32 = 2_000_000;
 /// Largest number of slices that a submission can have.
-pub(super) const MAX_SLICES: u32 = 16;
+pub(crate) const MAX_SLICES: u32 = 16;
 
 #[cfg(test)]
 mod tests {

@@ -33,8 +33,8 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::Precision;
 use super::shared::to_parts;
+use crate::Precision;
 use flipmap_numbers::trig::{
     PI_PARTS_F32, PI_PARTS_F64, Rounding, SERIES_F32, SERIES_F64, sin_cos_with,
 };

@@ -4,7 +4,7 @@ use super::{CheckResult, operands};
 use crate::EngineError;
 use crate::gpu::device::Gpu;
 use crate::gpu::pipeline::{bind, compute_pipeline, layout};
-use crate::shared::{from_parts, to_parts};
+use crate::gpu::shared::{from_parts, to_parts};
 
 /// The device's answers in f32.
 pub(super) fn answers_f32(gpu: &Gpu, text: String) -> Result<Vec<CheckResult>, EngineError> {
