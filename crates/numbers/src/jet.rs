@@ -192,7 +192,7 @@ impl Jet {
     /// the middle.
     pub fn sin_cos_around((sin, cos): (f64, f64), by: Jet) -> (Jet, Jet) {
         let one = Jet::constant(1.0);
-        // 1 − by²/2 (1 − by²/12 (1 − by²/30)) and likewise for the sine, to the degree that is kept.
+        // 1 − by²/2 (1 − by²/12 (1 − by²/30)) and likewise for the sine, up to the degree kept.
         let square = by * by;
         let nested = |divisors: &[f64]| {
             let less = |sum, divisor: &f64| one - square * Jet::constant(1.0 / divisor) * sum;

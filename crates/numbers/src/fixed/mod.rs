@@ -166,8 +166,8 @@ impl<const N: usize> Fixed<N> {
         x
     }
 
-    /// Number of bits by which a positive number must be shifted left (right if negative) to lie in
-    /// [½, 1).
+    /// Number of bits by which a positive number must be shifted left to lie in [½, 1); a negative
+    /// count shifts it right.
     fn shift_to_half(self) -> i64 {
         let top = self.0.iter().rposition(|&limb| limb != 0).unwrap_or(0);
         let bit = 64 * top as i64 + 63 - i64::from(self.0[top].leading_zeros());
