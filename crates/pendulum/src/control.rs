@@ -45,8 +45,8 @@ const NEAR: f64 = 18.0 / 0.319_275_428_5;
 /// [`NEAR`], 115,200 pixels of six deep views agreed with those of the usual tolerance to within
 /// 0.5 ms, and `trench`, `abyss` and `seabed` take 0.61 to 0.68 of the right-hand sides.
 const NEAR_END: f64 = 1.5;
-/// Safety factor, by measurement: with 0.9, one step in six is wasted; with this value, one in
-/// fifty.
+/// Safety factor, found by measurement: with 0.9, one step in six is wasted; with this value, one
+/// in fifty.
 const SAFETY: f64 = 0.75;
 
 impl Control {

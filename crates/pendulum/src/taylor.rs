@@ -358,7 +358,7 @@ const MAX_STEP: f64 = 1e3;
 /// changes by at most a seventh, and the estimates need some room. It limits steps in units of the
 /// previous radius.
 const RADIUS_CHANGE: f64 = 1.15;
-/// Number of bits that each coefficient needs fewer than the one before it: log₂ of 1 /
+/// Number of bits by which each coefficient may be shorter than the one before it: log₂ of 1 /
 /// (`RADIUS_CHANGE`² · `SAFETY`). One `RADIUS_CHANGE` is the limit on the step; the other allows
 /// for coefficients that grow from one to the next and carry errors along.
 const FEWER_BITS: f64 = 2.556;

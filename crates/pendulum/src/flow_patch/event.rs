@@ -104,7 +104,7 @@ impl FlowPatch {
             _ => there.phase[2 * bob + 1],
         };
         if there.phase[2 * bob] >= 0.0 || sine.abs() > NEAR * spread {
-            // A bob that nearly grazed the top, but turned round far beyond it, is unclear.
+            // If the bob nearly grazed the top before, it has turned round far beyond it: unclear.
             let far =
                 || (there.phase[2 * bob] < 0.0).then_some(PatchEvent::FarTurn(sine.abs() - spread));
             return if self.beyond[bob] { Some(PatchEvent::Unclear) } else { far() };
