@@ -54,7 +54,7 @@ impl Dd {
         if hi == self.hi { Dd::fast_sum(hi, self.lo.round_ties_even()) } else { Dd::new(hi) }
     }
 
-    /// The number without whole turns, in (−π, π].
+    /// Returns the angle without whole turns, in (−π, π].
     pub fn wrapped(self) -> Self {
         let turns = (self / Dd::TAU).round();
         let angle = self - turns * Dd::TAU;
@@ -82,8 +82,8 @@ impl Dd {
 /// Number of decimal digits, enough for the exact value of any f64.
 const DIGITS: usize = 800;
 
-/// The exact value of a finite f64 in decimal. As m/2ᵏ equals m·5ᵏ/10ᵏ, whole numbers suffice; a
-/// change of base would go by logarithms and take a thousand times as long.
+/// Returns the exact decimal value of a finite f64. Whole numbers suffice, as m/2ᵏ = m·5ᵏ/10ᵏ; the
+/// library's change of base uses logarithms and takes a thousand times as long.
 fn exact_decimal(x: f64) -> DBig {
     let binary = FBig::<HalfEven, 2>::try_from(x).expect("a finite f64 has a binary value");
     let (significand, exponent) = binary.into_repr().into_parts();
@@ -97,7 +97,7 @@ fn exact_decimal(x: f64) -> DBig {
     exact.with_precision(DIGITS).value()
 }
 
-/// The sum and its rounding error, for any magnitudes (Knuth).
+/// Returns the sum and its rounding error, for any magnitudes (Knuth).
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
     let part = sum - a;
@@ -176,7 +176,8 @@ impl Real for Dd {
 }
 
 impl Angle for Dd {
-    /// Sums Taylor series after removing quarter turns; good to a few units of 1e-32 for |x| < 1e3.
+    /// Sums Taylor series after removing quarter turns; right to a few units of 1e-32 for |x| <
+    /// 1e3.
     fn sin_cos(self) -> (Self, Self) {
         let half_pi = Dd { hi: Dd::PI.hi / 2.0, lo: Dd::PI.lo / 2.0 };
         let quarters = (self / half_pi).round();
@@ -191,7 +192,7 @@ impl Angle for Dd {
     }
 }
 
-/// Sums ± r^n / n! over every second n from `order`, whose term is `first`.
+/// Sums ± r^n / n! over every second n from `order` on; `first` is the term at n = `order`.
 fn series(r: Dd, first: Dd, order: f64) -> Dd {
     let square = r * r;
     let (mut term, mut sum, mut n) = (first, first, order);

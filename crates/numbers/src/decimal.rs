@@ -17,9 +17,9 @@ use crate::real::Scalar;
 /// An f64 stands for the shortest decimal that reads back as the same f64.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Decimal {
-    /// The nearest f64; a number that is not finite or beyond 2⁶³ has no exact value.
+    /// The nearest f64. If the number is not finite or is beyond 2⁶³, `exact` is zero.
     value: f64,
-    /// The exact value, right to 1e-134.
+    /// The value to within 1e-134.
     exact: Exact,
 }
 
@@ -62,7 +62,7 @@ impl PartialEq<f64> for Decimal {
     }
 }
 
-/// Number of digits after the point that every exact value has.
+/// Number of digits after the point to which every exact value is right.
 const DIGITS: usize = 134;
 
 impl fmt::Display for Decimal {
@@ -121,16 +121,17 @@ impl<'de> Deserialize<'de> for Decimal {
 
 /// Maximum length of a number in characters; longer strings are not meant as numbers.
 pub(super) const MAX_CHARACTERS: usize = 1000;
-/// Maximum magnitude of a decimal exponent, for the same reason.
+/// Maximum magnitude of a decimal exponent; larger ones are not meant as numbers either.
 const MAX_EXPONENT: usize = 2000;
 
-/// Parses a decimal number, if it is one; exponents are allowed, digit separators are not.
+/// Parses a decimal number; `None` if the text is not one. Exponents are allowed, digit separators
+/// are not.
 pub(super) fn parse(text: &str) -> Option<DBig> {
     let text = text.trim();
     if text.len() > MAX_CHARACTERS || text.contains('_') {
         return None;
     }
-    // Read before the digits are: the longest exponents overflow.
+    // Checked before the digits are parsed: the longest exponents overflow.
     let exponent = text.split_once(['e', 'E']).map(|(_, exponent)| exponent.parse::<i64>());
     if exponent.is_some_and(|e| !e.is_ok_and(|e| e.unsigned_abs() <= MAX_EXPONENT as u64)) {
         return None;
@@ -160,7 +161,7 @@ pub(super) fn written(value: IBig, bits: usize, digits: usize) -> String {
     format!("{sign}{whole}{point}{fraction}")
 }
 
-/// The integer nearest to the quotient by a positive `divisor`.
+/// Returns the integer nearest to `dividend` / `divisor`; the divisor must be positive.
 fn nearest(dividend: IBig, divisor: IBig) -> IBig {
     let (quotient, rest) = (&dividend).div_rem(&divisor);
     let twice = rest * IBig::from(2);

@@ -1,11 +1,11 @@
-//! Dual numbers: values with their derivatives along some directions, so that a right-hand side
-//! written once also moves the tangents of a motion.
+//! Dual numbers: values with their derivatives along several directions. A right-hand side written
+//! once then also moves the tangents of a motion.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::real::{Angle, Real};
 
-/// A number whose leading part, of type `S`, is exact enough for the derivatives of another.
+/// A number whose leading part, of type `S`, is precise enough for computing derivatives.
 pub trait Narrow<S>: Real {
     /// The leading part.
     fn narrow(self) -> S;
@@ -18,8 +18,8 @@ impl<T: Real> Narrow<T> for T {
     }
 }
 
-/// A value and its derivatives along `N` directions, which may have fewer digits; a value may be a
-/// register of them.
+/// A value, or a register of values, and its derivatives along `N` directions, which may have fewer
+/// digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize, T = f64, S = T> {
     /// Value of the number.
@@ -29,7 +29,7 @@ pub struct Dual<const N: usize, T = f64, S = T> {
 }
 
 impl<const N: usize, T: Narrow<S>, S: Real> Dual<N, T, S> {
-    /// A constant.
+    /// Creates a constant, whose derivatives are zero.
     #[inline(always)]
     pub fn new(value: T) -> Self {
         Dual { value, slope: [value.narrow().lit(0.0); N] }

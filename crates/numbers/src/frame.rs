@@ -1,20 +1,20 @@
 //! Frames: rectangles in the plane of starts, each with coordinates of its own from −1 to 1.
 
-/// A rectangle in the coordinates of another one.
+/// A rectangle, given in the coordinates of an outer frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// Middle of the rectangle.
     pub middle: [f64; 2],
-    /// The vectors from its middle to the middles of two sides, at right angles.
+    /// Vectors from the middle to the middles of two sides, at right angles to each other.
     pub axes: [[f64; 2]; 2],
 }
 
 impl Frame {
-    /// The frame that is the whole of the other one, with the same coordinates.
+    /// The whole outer frame, with the same coordinates.
     pub const WHOLE: Frame = Frame { middle: [0.0; 2], axes: [[1.0, 0.0], [0.0, 1.0]] };
 
-    /// The parts of a rectangle that is cut in half along some axes, in order of their coordinates,
-    /// the second running faster.
+    /// Halves the outer frame along the axes marked in `cut`. Returns the parts in order of their
+    /// coordinates, the second varying faster.
     pub fn parts(cut: [bool; 2]) -> impl Iterator<Item = Frame> {
         let places = |cut: bool| if cut { &[-0.5, 0.5][..] } else { &[0.0] };
         let size = cut.map(|cut| if cut { 0.5 } else { 1.0 });
@@ -23,14 +23,14 @@ impl Frame {
         across.iter().flat_map(move |&x| along.iter().map(move |&y| Frame { middle: [x, y], axes }))
     }
 
-    /// The index among [`Frame::parts`] of the one in which a point lies.
+    /// The index among [`Frame::parts`] of the part that contains a point.
     pub fn part_of(cut: [bool; 2], [x, y]: [f64; 2]) -> usize {
         let step = if cut[1] { 2 } else { 1 };
         step * usize::from(cut[0] && x >= 0.0) + usize::from(cut[1] && y >= 0.0)
     }
 
-    /// The smallest square that contains the whole and whose first axis points in the direction
-    /// `angle` (rad).
+    /// The smallest square that contains the outer frame and whose first axis points in the
+    /// direction `angle` (rad).
     pub fn turned(angle: f64) -> Frame {
         let (sin, cos) = angle.sin_cos();
         let reach = sin.abs() + cos.abs();
@@ -38,26 +38,26 @@ impl Frame {
         Frame { middle: [0.0; 2], axes }
     }
 
-    /// The point of the other frame at these coordinates.
+    /// Converts coordinates in this frame to those of the outer frame.
     pub(crate) fn outward(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [a, b] = self.axes;
         [0, 1].map(|i| self.middle[i] + x * a[i] + y * b[i])
     }
 
-    /// The coordinates of a point of the other frame.
+    /// Converts coordinates in the outer frame to those of this frame.
     pub fn inward(&self, point: [f64; 2]) -> [f64; 2] {
         let by = [0, 1].map(|i| point[i] - self.middle[i]);
         self.axes.map(|[u, v]| (by[0] * u + by[1] * v) / (u * u + v * v))
     }
 
-    /// Converts a frame given in the coordinates of this one to those of the other.
+    /// Converts a frame given in the coordinates of this one to those of the outer frame.
     pub fn outside(&self, inner: &Frame) -> Frame {
         let [a, b] = self.axes;
         let turned = |[x, y]: [f64; 2]| [0, 1].map(|i| x * a[i] + y * b[i]);
         Frame { middle: self.outward(inner.middle), axes: inner.axes.map(turned) }
     }
 
-    /// Half the length of its sides.
+    /// Half the lengths of the sides along the two axes.
     pub fn half_sides(&self) -> [f64; 2] {
         self.axes.map(|[u, v]| u.hypot(v))
     }

@@ -1,8 +1,8 @@
 //! Polynomials in the two coordinates of a cell of starts, cut off above a degree: arithmetic on
 //! them carries a whole neighbourhood of pendulums at once.
 //!
-//! Both coordinates run from −1 to 1 over the cell. The sum of a degree's coefficients bounds what
-//! that degree contributes, and the fall of these sums tells how much was cut off.
+//! Both coordinates run from −1 to 1 over the cell. The sum of a degree's coefficients bounds the
+//! contribution of that degree, and the rate at which these sums fall tells how much was cut off.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -16,7 +16,7 @@ pub const DEGREE: usize = 6;
 /// Number of coefficients of a polynomial.
 pub(super) const TERMS: usize = (DEGREE + 1) * (DEGREE + 2) / 2;
 
-/// Index of the first coefficient of a degree: those of x^(n−j) y^j for j = 0 … n begin there.
+/// Index of the first coefficient of degree n; those of x^(n−j) y^j follow for j = 0 … n.
 pub(super) const fn first(degree: usize) -> usize {
     degree * (degree + 1) / 2
 }
@@ -62,7 +62,7 @@ impl Jet {
         self
     }
 
-    /// A bound on the distance from its value in the middle, anywhere in the cell.
+    /// A bound, over the whole cell, on the difference from the value in the middle.
     pub fn spread(&self) -> f64 {
         self.c[1..].iter().map(|c| c.abs()).sum()
     }
@@ -89,8 +89,8 @@ impl Jet {
         [self.c[1], self.c[2]]
     }
 
-    /// The polynomial on the line through the middle, by powers of the distance from there in units
-    /// of `direction`.
+    /// Coefficients of the polynomial on the line through the middle, in powers of the distance
+    /// from the middle in units of a direction vector.
     pub fn along(&self, [x, y]: [f64; 2]) -> [f64; DEGREE + 1] {
         std::array::from_fn(|n| {
             let term = |j: usize| x.powi((n - j) as i32) * y.powi(j as i32);
@@ -103,7 +103,7 @@ impl Jet {
         self.value(point)
     }
 
-    /// Values at some points of the cell, given by all first and all second coordinates.
+    /// Values at `N` points of the cell, given as all first coordinates and all second ones.
     #[inline(always)]
     pub fn values<const N: usize>(&self, [x, y]: &[[f64; N]; 2]) -> [f64; N] {
         let mut sum = [0.0; N];
@@ -142,7 +142,7 @@ impl Jet {
         for (axis, &middle) in frame.middle.iter().enumerate() {
             shifted.shift(axis, middle);
         }
-        // x = ax + by and y = cx + dy: each term of a degree becomes one of the same degree.
+        // Replacing x by ax + by and y by cx + dy turns each term into terms of the same degree.
         let [[a, c], [b, d]] = frame.axes;
         let mut one = [0.0; DEGREE + 1];
         one[0] = 1.0;
@@ -158,7 +158,7 @@ impl Jet {
         out
     }
 
-    /// Bounds on the distance from its value in the middle on the two axes.
+    /// Bounds, along each of the two axes, on the difference from the value in the middle.
     pub fn extents(&self) -> [f64; 2] {
         let along = |axis: usize| (1..=DEGREE).map(|n| self.c[first(n) + axis * n].abs()).sum();
         [along(0), along(1)]
@@ -180,18 +180,19 @@ impl Jet {
         }
     }
 
-    /// The square root, by Newton's method from that of the middle, which must be positive: each
-    /// iteration doubles the number of degrees that are right.
+    /// The square root, by Newton's method from the root of the middle value, which must be
+    /// positive: each iteration doubles the number of degrees that are right.
     pub fn sqrt(self) -> Self {
         let half = Jet::constant(0.5);
         let better = |root: Jet, _| half * (root + self / root);
         (0..3).fold(Jet::constant(self.c[0].sqrt()), better)
     }
 
-    /// Sine and cosine of an angle that varies over the cell by `by`, from those in its middle.
+    /// Sine and cosine of an angle that varies by `by` over the cell, from its sine and cosine in
+    /// the middle.
     pub fn sin_cos_around((sin, cos): (f64, f64), by: Jet) -> (Jet, Jet) {
         let one = Jet::constant(1.0);
-        // 1 − by²/2 (1 − by²/12 (1 − by²/30)) and likewise for the sine, to the degree that is kept.
+        // 1 − by²/2 (1 − by²/12 (1 − by²/30)) and likewise for the sine, up to the degree kept.
         let square = by * by;
         let nested = |divisors: &[f64]| {
             let less = |sum, divisor: &f64| one - square * Jet::constant(1.0 / divisor) * sum;
@@ -219,7 +220,8 @@ impl Jet {
     }
 }
 
-/// Multiplies a form in x and y, by the powers of y, by (ax + by) to some power.
+/// Multiplies a homogeneous polynomial in x and y, given by its coefficients in powers of y, by (ax
+/// + by)^`power`.
 fn powers([a, b]: [f64; 2], power: usize, mut form: [f64; DEGREE + 1]) -> [f64; DEGREE + 1] {
     for _ in 0..power {
         for j in (1..=DEGREE).rev() {
@@ -286,7 +288,7 @@ impl Div for Jet {
 }
 
 impl Real for Jet {
-    // The middle decides on the length of a step.
+    // The value in the middle decides the length of a step.
     const JUDGES_STEPS: bool = false;
 
     fn lit(self, value: f64) -> Self {

@@ -1,11 +1,12 @@
-//! Products and reciprocals of polynomials, nearly all the cost of carrying them, compiled for the widest
-//! registers of the processor.
+//! Products and reciprocals of polynomials, compiled for the widest registers of the processor:
+//! they are nearly all the cost of carrying polynomials.
 //!
-//! Both are written out term by term: then the 28 sums of a product are variables of their own, which
-//! AVX-512 keeps in registers. In a loop over coefficients in memory each of the 210 terms waits for the
-//! one before it to be written. Eight polynomials side by side in the lanes of registers were no
-//! faster, as their sums and copies outweighed their products (measured: 23 µs a step of one among eight, 20 µs
-//! alone; 15 µs since the step around the products is compiled for the same registers).
+//! Both are written out term by term, which makes the 28 sums of a product variables of their own
+//! that AVX-512 keeps in registers. In a loop over coefficients in memory, each of the 210 terms
+//! waits for the one before it to be written. Eight polynomials side by side in the lanes of
+//! registers were no faster, because their sums and copies cost more than their products (measured:
+//! 23 µs per step of each of the eight, 20 µs for one alone; 15 µs since the step around the
+//! products is compiled for the same registers).
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -14,7 +15,7 @@ use crate::jet::{TERMS, first};
 /// Coefficients of a polynomial.
 type Terms = [f64; TERMS];
 
-/// Writes the product of two polynomials, cut off.
+/// Writes the product of two polynomials, without the terms above the highest degree kept.
 pub(super) fn multiply(left: &Terms, right: &Terms, out: &mut Terms) {
     Arch::new().dispatch(Product(left, right, out));
 }
@@ -30,7 +31,7 @@ fn add(sum: &mut f64, x: &f64, y: &f64) {
     *sum += x * y;
 }
 
-/// Factors, and the polynomial to write.
+/// The two factors, and the polynomial that receives their product.
 struct Product<'a>(&'a Terms, &'a Terms, &'a mut Terms);
 
 impl WithSimd for Product<'_> {
@@ -62,7 +63,7 @@ impl WithSimd for Product<'_> {
     }
 }
 
-/// A polynomial, and the one to write.
+/// A polynomial, and the one that receives its reciprocal.
 struct Reciprocal<'a>(&'a Terms, &'a mut Terms);
 
 impl WithSimd for Reciprocal<'_> {

@@ -1,7 +1,8 @@
-//! Numbers that integrators of the double pendulum are generic over. This crate knows no pendulum.
+//! Number types over which the integrators of the double pendulum are generic. Nothing in this
+//! crate depends on a pendulum.
 //!
-//! * [`Real`] and [`Angle`] are what equations of motion ask of a number, [`Scalar`] what code with
-//!   branches asks of it;
+//! * [`Real`] and [`Angle`] are the traits that equations of motion need, [`Scalar`] the one that
+//!   code with branches needs;
 //! * [`Dd`] is a pair of `f64`, [`Fixed`] a fixed-point number of any length, [`Decimal`] a number
 //!   exactly as it was typed;
 //! * [`dual`] and [`jet`] carry derivatives, of first and of higher order;

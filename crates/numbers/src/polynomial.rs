@@ -28,8 +28,8 @@ pub fn quintic_hermite<T: Real>(at0: [T; 3], at1: [T; 3]) -> [T; 6] {
     ]
 }
 
-/// The first x in (0, 1] at which a polynomial that begins below zero rises to it, however briefly;
-/// 0 if it begins at zero and rises.
+/// Returns the first x in (0, 1] at which a polynomial that begins below zero reaches zero, however
+/// briefly; 0 if it begins at zero and rises.
 #[inline]
 pub fn first_rise<T: Scalar, const N: usize>(coefficients: &[T; N]) -> Option<T> {
     let mut coefficients = *coefficients;
@@ -37,14 +37,15 @@ pub fn first_rise<T: Scalar, const N: usize>(coefficients: &[T; N]) -> Option<T>
         if coefficients[1] > T::zero() {
             return Some(T::zero());
         }
-        // Only a start at zero can lie above it, by a rounding error.
+        // A value above zero is a start at zero with a rounding error.
         coefficients[0] = T::zero();
     }
     course(&bernstein(&coefficients), -T::from_f64(1.0)).change
 }
 
-/// The control points over [0, 1] of the polynomial with these coefficients: it begins at the
-/// first, ends at the last, and lies between the least and the greatest (Bernstein 1912).
+/// Returns the control points over [0, 1] of the polynomial with these coefficients. The polynomial
+/// begins at the first, ends at the last, and lies between the least and the greatest (Bernstein
+/// 1912).
 pub fn bernstein<T: Scalar, const N: usize>(coefficients: &[T; N]) -> [T; N] {
     std::array::from_fn(|k| {
         let mut share = T::from_f64(1.0);
@@ -63,13 +64,13 @@ pub fn bernstein<T: Scalar, const N: usize>(coefficients: &[T; N]) -> [T; N] {
 pub struct Course<T> {
     /// The first x in (0, 1] at which it is no longer on that side.
     pub change: Option<T>,
-    /// Lower bound on the distance from zero that it keeps until its final fall to zero.
+    /// Lower bound on its distance from zero until it finally falls to zero.
     pub clearance: T,
 }
 
-/// Determines the course of the polynomial with these control points, which begins on `side` of
-/// zero (1 or −1), or at zero. The control points of ever smaller parts decide: if all are on that
-/// side, nothing happens; if all fall, zero is crossed at most once.
+/// Determines the course of the polynomial with these control points, which begins at zero or on
+/// `side` of it (1 or −1). Parts are halved until their control points decide: if all are on that
+/// side, zero is not reached; if they fall steadily, it is crossed at most once.
 pub fn course<T: Scalar, const N: usize>(control: &[T; N], side: T) -> Course<T> {
     let clearance = control.iter().fold(T::zero(), |most, &c| most.max(c.abs()));
     let mut search = RootSearch { side, parts: MAX_PARTS, clearance };
@@ -77,8 +78,8 @@ pub fn course<T: Scalar, const N: usize>(control: &[T; N], side: T) -> Course<T>
     Course { change, clearance: search.clearance }
 }
 
-/// Maximum number of parts into which a polynomial is cut: a pass takes about sixty, noise around
-/// zero any number.
+/// Maximum number of parts into which a polynomial is cut: a pass takes about sixty, but noise
+/// around zero could take any number.
 const MAX_PARTS: u32 = 400;
 
 struct RootSearch<T> {
@@ -158,8 +159,8 @@ fn only_zero<T: Scalar, const N: usize>(control: &[T; N], side: T) -> T {
     x.max(low)
 }
 
-/// The root between `low`, where `f` is negative, and `high`, where it is not: Newton's method,
-/// kept inside a shrinking bracket until it no longer moves.
+/// Finds the root between `low`, where `f` is negative, and `high`, where it is not, by Newton's
+/// method inside a shrinking bracket.
 pub fn root_between<T: Scalar>(f: &[T], slope: &[T], mut low: T, mut high: T) -> T {
     let half = T::from_f64(0.5);
     let mut x = (low + high) * half;

@@ -19,7 +19,8 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// False for numbers whose steps are judged by other numbers, so that nobody reads a step's error.
+    /// False for types whose step lengths another number decides: the error of a step is not
+    /// computed.
     const JUDGES_STEPS: bool = true;
 
     /// Returns the literal `value` in the context of `self`.
@@ -36,7 +37,7 @@ pub trait Real:
 
     /// Returns `(sum, error)` with `sum + error == self + other` exactly, if |self| ≥ |other|
     /// (Dekker 1971); otherwise the error is still right to a rounding of `other`. Types whose
-    /// compiler cannot be trusted with this note it in their own module.
+    /// compiler could optimise this away override it.
     #[inline(always)]
     fn fast_two_sum(self, other: Self) -> (Self, Self) {
         let sum = self + other;
@@ -44,7 +45,8 @@ pub trait Real:
     }
 }
 
-/// A number whose sine can be taken. Not all can: pairs of lanes and of f32 run without angles.
+/// A number that has a sine and a cosine. Pairs of lanes and of f32 have none, and run without
+/// angles.
 pub trait Angle: Real {
     /// Sine and cosine of an angle in rad.
     fn sin_cos(self) -> (Self, Self);
@@ -67,7 +69,7 @@ pub trait Scalar: Angle + PartialOrd + Display + Send + Sync + 'static {
     fn sqrt(self) -> Self;
     /// Parses a decimal directly into the type, correctly rounded; `None` if it is not a number.
     fn parse(text: &str) -> Option<Self>;
-    /// The number nearest to a long fixed-point one.
+    /// The number of this type nearest to a long fixed-point number.
     fn from_theta(value: Exact) -> Self;
 
     /// The number zero.
@@ -82,8 +84,8 @@ pub trait Scalar: Angle + PartialOrd + Display + Send + Sync + 'static {
     fn max(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
-    /// Σ xⱼ yₙ₋₁₋ⱼ over two slices of `n` numbers, with `bits` bits after the point if the type is
-    /// faster with fewer than it has.
+    /// Returns Σ xⱼ yₙ₋₁₋ⱼ over two slices of `n` numbers, to `bits` bits after the point if the
+    /// type is faster with fewer bits than it has.
     fn convolution(x: &[Self], y: &[Self], _bits: u32) -> Self {
         x.iter().zip(y.iter().rev()).fold(Self::zero(), |sum, (x, y)| x.mul_add(*y, sum))
     }

@@ -1,17 +1,18 @@
-//! The moments at which a polynomial changes its sign, however soon after the beginning.
+//! The moments at which a polynomial changes sign, however soon after the beginning.
 
 use crate::polynomial::{bernstein, course, halves};
 use crate::real::Scalar;
 
-/// Ratio of the ends of the parts of [0, 1] that are searched one after another.
+/// Factor between the ends of successive parts of [0, 1] in the search.
 const RATIO: f64 = 16.0;
 
-/// The x in (0, 1] at which the polynomial Σ cₖ xᵏ changes its sign, in order. A zero at 0 counts
-/// as no change.
+/// Returns the x in (0, 1] at which the polynomial Σ cₖ xᵏ changes sign, in order. A zero at 0
+/// counts as no change.
 ///
-/// A root far below 1 is found with as many digits as one near 1: nothing happens before the
-/// polynomial's other terms can balance its first one (Cauchy's bound on roots), and the search
-/// begins there, in parts each [`RATIO`] times as long as the one before.
+/// A root far below 1 is found with as many digits as one near 1. No root lies where the first term
+/// outweighs all others (Cauchy's bound on roots); the search begins with a part that ends
+/// [`RATIO`] times as far out, and each further part ends [`RATIO`] times as far out as the one
+/// before.
 pub fn sign_changes<T: Scalar, const N: usize>(coefficients: &[T; N]) -> Vec<T> {
     let zero = T::zero();
     let Some(first) = coefficients.iter().position(|c| *c != zero) else { return Vec::new() };
@@ -39,8 +40,8 @@ pub fn sign_changes<T: Scalar, const N: usize>(coefficients: &[T; N]) -> Vec<T> 
     }
 }
 
-/// An x before which the terms of a polynomial beyond the first, which is not zero, are together
-/// smaller than that.
+/// Returns an x below which the later terms of a polynomial are together smaller than its first
+/// term, which must not be zero.
 fn first_balance<T: Scalar, const N: usize>(c: &[T; N]) -> f64 {
     let size = |k: usize| c[k].to_f64().abs();
     let balances = |k: usize| (size(0) / (N as f64 * size(k))).powf(1.0 / k as f64);

@@ -69,7 +69,7 @@ pub const PI_PARTS_F64: [f64; 2] = [3.141_592_653_468_251_2, 1.215_420_101_301_2
 /// [−π/2, π/2], which leaves no quadrant to choose and hence no branch.
 ///
 /// The sine is exactly odd and the cosine exactly even, so that mirrored starts stay mirrored.
-/// `pi_parts` and `series` are those of the number type, above.
+/// `pi_parts` and `series` are the constants above for the number type.
 #[inline(always)]
 pub fn sin_cos_with<T: Rounding, const S: usize, const C: usize>(
     x: T,
@@ -79,7 +79,7 @@ pub fn sin_cos_with<T: Rounding, const S: usize, const C: usize>(
     let half_turns = (x * x.lit(std::f64::consts::FRAC_1_PI)).nearest();
     let r = half_turns.mul_add(x.lit(-pi_parts[0]), x);
     let r = half_turns.mul_add(x.lit(-pi_parts[1]), r);
-    // (−1)^half_turns, from the distance of half of it from the nearest integer: 0 or ±½.
+    // (−1)^half_turns, from the distance of half_turns/2 to the nearest integer: 0 or ±½.
     let half = half_turns * x.lit(0.5);
     let odd = half - half.nearest();
     let sign = (odd * odd).mul_add(x.lit(-8.0), x.lit(1.0));
@@ -110,19 +110,20 @@ fn pair<T: Real, const N: usize>(x: T, terms: &[f64; N], k: usize) -> T {
     if k + 1 < N { x.mul_add(x.lit(terms[k + 1]), x.lit(terms[k])) } else { x.lit(terms[k]) }
 }
 
-/// Method by which the directions of a step's inner stages are found from the direction at its
+/// The method that finds the directions of a step's inner stages from the direction at its
 /// beginning.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Turning {
     /// A sine and cosine computed afresh for each stage.
     Fresh,
-    /// The first direction turned through the small angle between, with this many terms after the
-    /// first of each series. A third of the work, and no range to reduce.
+    /// The initial direction turned through the small angle to the stage, with this many terms
+    /// after the first of each series: a third of the work, without range reduction.
     Small(usize),
 }
 
 impl Turning {
-    /// The method that turns through at most `most` rad with a relative error below `epsilon`.
+    /// Returns the cheapest method that turns through at most `most` rad with a relative error
+    /// below `epsilon`.
     pub fn within(most: f64, epsilon: f64) -> Self {
         let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
         let left = |terms: usize| most.powi(2 * terms as i32 + 2) / factorial(2 * terms + 2);
@@ -145,8 +146,8 @@ impl Turning {
     }
 }
 
-/// Available numbers of terms: few, because the processor's kernels are compiled for each; more
-/// terms than the last would cost as much as a fresh sine and cosine.
+/// Numbers of terms to choose from: few, because the CPU kernels are compiled for each. More terms
+/// than the last would cost as much as a fresh sine and cosine.
 pub(crate) const TURNING_TERMS: [usize; 3] = [2, 4, 6];
 
 /// Computes `(sin x, cos x − 1)` of a small `x`, with `terms` terms after the first of the sine.

@@ -1,4 +1,4 @@
-//! Quantities gathered along a motion, which its end alone does not give.
+//! Quantities gathered along a motion that its end alone does not give.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,10 +10,11 @@ pub struct Accumulators {
     pub turns: [i32; 2],
     /// Number of passes of the top by each bob anticlockwise and clockwise, the first bob first.
     pub passes: [u32; 4],
-    /// Least distance from the start after having left it, as unit vectors and scaled momenta, and
-    /// its reduced time; infinite if there is none.
+    /// Least distance from the start after the motion has left it, in unit vectors and scaled
+    /// momenta, and the reduced time of that approach; the distance is infinite if there is none.
     pub nearest: [f64; 2],
-    /// Natural logarithm of the growth of the largest of all nudges (see [`super::tangents`]).
+    /// Natural logarithm of the factor by which the fastest-growing nudge has grown (see
+    /// [`super::tangents`]).
     pub log_growth: f64,
 }
 
@@ -26,11 +27,11 @@ impl Accumulators {
         log_growth: 0.0,
     };
 
-    /// The quantities of a pendulum along whose motion none were gathered: they agree with no others.
+    /// Marks a motion along which nothing was gathered; these quantities agree with no others.
     pub const UNTOLD: Accumulators =
         Accumulators { nearest: [f64::NAN; 2], log_growth: f64::NAN, ..Accumulators::NONE };
 
-    /// Returns true unless nothing was gathered along the motion.
+    /// Returns true if quantities were gathered along the motion.
     pub fn are_told(&self) -> bool {
         !self.log_growth.is_nan()
     }
@@ -48,9 +49,9 @@ impl Accumulators {
     }
 }
 
-/// Greatest difference of least distances and of their reduced times that still agree.
+/// Greatest difference at which two least distances, or their reduced times, still agree.
 const NEAREST: f64 = 1e-3;
-/// Greatest share by which two logarithms of growth that agree differ.
+/// Greatest relative difference at which two logarithms of growth still agree.
 const GROWTH: f64 = 0.01;
 
 #[cfg(test)]

@@ -18,9 +18,10 @@ pub struct Control {
     pub rise: f64,
     /// Upper limit of that logarithm.
     pub ceiling: f64,
-    /// Exponent in a step's factor, 2^(exponent · excess + safety) within [`SHRINK`] and [`GROW`].
+    /// Exponent in the factor from a step to the next, 2^(exponent · excess + safety), which is
+    /// kept within [`SHRINK`] and [`GROW`].
     pub exponent: f64,
-    /// Binary logarithm of the safety factor in it.
+    /// Binary logarithm of the safety factor.
     pub safety: f64,
 }
 
@@ -30,21 +31,22 @@ pub const SHRINK: f64 = 0.2;
 pub const GROW: f64 = 5.0;
 /// Maximum length of a step, so that a bob turns by far less than half a turn in one.
 pub const LONGEST: f64 = 1.0;
-/// Length of the first trial step. A bob at rest has no speed whose change of sign could show that
-/// it rose over the top and fell back within its first step, as it can by at most FIRST⁴/8 rad
-/// (near (π/2, π), where its acceleration changes sign); the step is short to keep that negligible.
+/// Length of the first trial step. A bob released from rest may rise over the top and fall back
+/// within this step, and no change of sign of its speed shows it. It rises at most FIRST⁴/8 rad
+/// beyond the top (near (π/2, π), where its acceleration changes sign); the step is short to keep
+/// that negligible.
 pub const FIRST: f64 = 2e-3;
 
 /// Rise of the tolerance per unit of time: 0.2 decades per second for the default pendulum.
 const DECADES_PER_UNIT: f64 = 0.2 * 0.319_275_428_5;
 /// Reduced time before the end of a budget that counts as near it: 18 s for the default pendulum.
 const NEAR: f64 = 18.0 / 0.319_275_428_5;
-/// Rise of the tolerance near an end, as a multiple of the usual one. With this and [`NEAR`], 115,200
-/// pixels of six deep views were those of the usual tolerance to within 0.5 ms; `trench`, `abyss` and
-/// `seabed` take 0.61 to 0.68 of the right-hand sides.
+/// Rise of the tolerance near the end of a budget, as a multiple of the usual one. With this and
+/// [`NEAR`], 115,200 pixels of six deep views agreed with those of the usual tolerance to within
+/// 0.5 ms, and `trench`, `abyss` and `seabed` take 0.61 to 0.68 of the right-hand sides.
 const NEAR_END: f64 = 1.5;
-/// Safety factor, by measurement: with 0.9, one step in six is wasted; with this value, one in
-/// fifty.
+/// Safety factor, found by measurement: with 0.9, one step in six is wasted; with this value, one
+/// in fifty.
 const SAFETY: f64 = 0.75;
 
 impl Control {
@@ -64,8 +66,8 @@ impl Control {
     /// ended. Differences between neighbours are smaller than the cell then, so the tolerance is
     /// `finer` times smaller than its ceiling. It rises from there as it does after the release.
     ///
-    /// If it may depend on the time `end` of their budget and that is near, it is as small [`NEAR`]
-    /// before that time, and rises as fast as most errors grow.
+    /// If the `end` of the budget is given and near, the tolerance is that small at the time
+    /// [`NEAR`] before `end` instead, and rises as fast as most errors grow.
     pub fn after_a_cell(self, since: f64, end: Option<f64>, finer: f64) -> Self {
         let (since, rise) = match end {
             Some(end) if end - since < NEAR => (end - NEAR, self.rise * NEAR_END),
@@ -84,7 +86,8 @@ impl Control {
         (self.start + self.rise * time).min(self.ceiling)
     }
 
-    /// The factor from a step to the next, by the excess of its error over the limit.
+    /// The factor from the length of a step to that of the next; `excess` is the binary logarithm
+    /// of its squared error less the limit.
     pub fn factor(&self, excess: f64) -> f64 {
         (self.exponent * excess + self.safety).clamp(-8.0, 8.0).exp2().clamp(SHRINK, GROW)
     }

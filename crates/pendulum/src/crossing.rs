@@ -31,46 +31,48 @@ impl<T: Scalar> StepState<T> {
     }
 }
 
-/// The position of a bob's path over an interval relative to the top, judged by the cubic that has
-/// `y` and its rate of change at both ends. The cubic lies within its control points, and the
-/// clearance is reduced by [`SLACK`] for what the cubic does not capture.
+/// The position of a bob's path relative to the top over an interval, judged by the cubic that
+/// matches `y` and its rate of change at both ends. The cubic lies within its control points, and
+/// the clearance is reduced by [`SLACK`] for what the cubic does not capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach<T> {
-    /// Lower bound on the bob's distance from the top (as a sine); not positive if it may reach it.
+    /// Lower bound on the bob's distance from the top (as a sine); zero or less if the bob may
+    /// reach the top.
     pub clearance: T,
     /// True if the bob passes the top exactly once.
     pub crosses: bool,
 }
 
 /// Slack taken off the clearance, as a share of the distance of the cubic's middle control points
-/// from its chord (with counterparts in the engines).
+/// from its chord (the engines use the same).
 pub const SLACK: f64 = 0.2;
 /// Clearance of a bob that is below its pivot.
 pub const FAR: f64 = 2.0;
 
-/// Index of the bob that is at the top in a state of passing it: the one whose sine vanishes there.
+/// Index of the bob that is at the top, in a state in which one passes it: the one whose sine
+/// vanishes.
 pub fn bob_at_top(phase: &Phase<f64>) -> usize {
     let [x1, y1, x2, y2, ..] = *phase;
     usize::from(x1 > 0.0 || (x2 < 0.0 && y2.abs() < y1.abs()))
 }
 
-/// Height, as a sine, to which a bob that passes the top in a state would rise beyond it if its
-/// acceleration there turned it round.
+/// Height beyond the top, as a sine, that `bob` would reach after passing it in the state `top` if
+/// its acceleration there turned it round.
 pub fn height_beyond(pendulum: &Pendulum<f64>, top: &StepState<f64>, bob: usize) -> f64 {
     let [x1, y1, x2, y2, ..] = top.phase;
     let pull = pendulum.acceleration_towards([(y1, x1), (y2, x2)], top.speed);
     top.speed[bob].powi(2) / (2.0 * pull[bob].abs()).max(1e-300)
 }
 
-/// The state `top`, in which `bob` passes the top, with the bob put beyond it.
+/// Returns the state `top`, in which `bob` passes the top, with the bob moved just beyond it.
 pub fn beyond_top(top: &StepState<f64>, bob: usize, anticlockwise: bool) -> StepState<f64> {
     let mut beyond = *top;
     beyond.phase[2 * bob + 1] = if anticlockwise { -BARELY } else { BARELY };
     beyond
 }
 
-/// Sine of the angle beyond the top at which a bob that has passed it is put: far below any
-/// rounding, but with a sign.
+/// Sine of the angle beyond the top to which [`beyond_top`] moves a bob: far below any rounding
+/// error, but with a sign.
 const BARELY: f64 = 1e-30;
 
 /// Judges the path of `bob` between two moments `length` apart.
@@ -110,14 +112,15 @@ pub fn approach<T: Scalar>(
 pub struct StepCrossing<T> {
     /// The fraction in (0, 1] of the step at which the bob first passes the top.
     pub fraction: Option<T>,
-    /// Least distance from the top until then, or in the whole step without a crossing (as a sine).
+    /// Least distance from the top (as a sine) before the crossing, or in the whole step if there
+    /// is none.
     pub clearance: T,
 }
 
 /// Finds the crossing of `bob` in a step of length `step`; `at` returns the state at a fraction.
 ///
-/// Each part of the step in turn is decided by its [`Approach`], and halved until that is possible:
-/// neither a pass that falls back at once nor one of two in succession is missed.
+/// Each part of the step is halved until its [`Approach`] decides it. So neither a pass that falls
+/// back at once nor either of two in quick succession is missed.
 pub fn within<T: Scalar>(
     at: impl Fn(T) -> StepState<T>,
     bob: usize,
@@ -159,7 +162,7 @@ pub fn within<T: Scalar>(
 
 /// Share of a step below which parts are not halved: a shorter pass is as good as none.
 const MIN_PART: f64 = 1e-7;
-/// Maximum number of parts in which a step is decided; a graze takes about sixty.
+/// Maximum number of parts into which a step is cut; a graze takes about sixty.
 const MAX_PARTS: usize = 400;
 
 pub(super) fn crosses<T: Scalar>(before: &StepState<T>, after: &StepState<T>, bob: usize) -> bool {
@@ -204,7 +207,7 @@ pub(super) fn crossing<T: Scalar>(
 /// Maximum number of iterations: enough for 106 bits by bisection alone, should Newton never help.
 const MAX_STEPS: usize = 120;
 
-/// The fraction at y = 0 on the cubic fraction(y) that has the values and slopes of both ends.
+/// The fraction at y = 0 on the cubic fraction(y) that matches the values and slopes of both ends.
 fn inverse_cubic<T: Scalar>(
     bob: usize,
     low: &(T, StepState<T>),

@@ -1,4 +1,4 @@
-//! Trial steps of the embedded Runge–Kutta pairs, each with its own estimate of its error.
+//! Trial steps of the embedded Runge–Kutta pairs, each with an estimate of its own error.
 //!
 //! The coefficients are data from the papers cited. The stages are written out, because code for
 //! SIMD lanes and for shaders has to be straight-line.
@@ -20,7 +20,8 @@ pub struct Trial<T> {
 }
 
 impl<T: Real> Trial<T> {
-    /// A trial step of a pair that gives nothing between the ends, from its change and its error.
+    /// A trial step, from its change and its error, of a pair that provides nothing between the
+    /// ends.
     #[inline(always)]
     pub fn new(change: Phase<T>, error: &Phase<T>, inverse_scale: [T; 2]) -> Self {
         let error_squared = square(error, inverse_scale);
@@ -40,9 +41,9 @@ pub(crate) fn dop853_factor(error: f64, allowed: f64) -> f64 {
     0.8 * (allowed / error.max(1e-30)).powf(1.0 / f64::from(DOP853_ORDER))
 }
 
-/// Takes a trial step of Dormand and Prince's pair of orders 8 and 5 with 3 (Hairer, Nørsett and
-/// Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.5 and II.10): 12 right-hand
-/// sides. `inverse_scale` is 1 over the scale of each momentum.
+/// Takes a trial step of Dormand and Prince's method of order 8 with error estimates of orders 5
+/// and 3 (Hairer, Nørsett and Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.5
+/// and II.10): 12 right-hand sides. `inverse_scale` is 1 over the scale of each momentum.
 #[inline(always)]
 pub fn dop853<T: Real>(
     pendulum: &Pendulum<T>,

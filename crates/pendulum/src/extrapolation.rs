@@ -1,6 +1,6 @@
-//! Trial steps by extrapolation of Gragg's midpoint rule, a method of any order whose coefficients
-//! are ratios of whole numbers, so that it is as exact in double-double and in fixed point as in
-//! f64. It shares nothing with expansions and embedded pairs, so it can check both.
+//! Trial steps by extrapolation of Gragg's midpoint rule, a method of any order. Its coefficients
+//! are ratios of whole numbers, so it is as exact in double-double and in fixed point as in f64. It
+//! shares nothing with expansions and embedded pairs, so it can check both.
 //!
 //! The errors of the rule with 2, 4, … 2K midpoints contain only even powers of its step; the
 //! combination that cancels the first K − 1 of these is of order 2K (Gragg 1965; Bulirsch and Stoer
@@ -15,12 +15,13 @@ use flipmap_numbers::real::{Real, Scalar};
 pub struct Weights<T, const K: usize> {
     /// Weights of all rules in their combination.
     pub all: [T; K],
-    /// Differences from the weights without the last rule: the error of that combination.
+    /// Differences from the weights without the last rule, which give the error of that
+    /// combination.
     pub error: [T; K],
 }
 
 impl<T: Scalar, const K: usize> Weights<T, K> {
-    /// Lagrange's weights for the step 0, in squares of the steps.
+    /// Lagrange's weights for extrapolation to the step 0, in squares of the steps.
     pub fn new() -> Self {
         let weights = |count: usize| -> [T; K] {
             std::array::from_fn(|j| {

@@ -1,8 +1,8 @@
-//! A launch beside the top, carried to the end of its first moments: how often its bobs pass the top
-//! in them, and the state that it is in then.
+//! Launches from near the top, carried to the end of their first moments: the passes of the top in
+//! them, and the state at their end.
 //!
-//! Engines integrate it from there, so that they need not tell a bob from the top at distances far
-//! below any rounding, and so that the height by which it cleared the top is one that it had later.
+//! Engines integrate a launch from there. They need not resolve distances from the top far below
+//! any rounding error, and a bob's clearance from the top is measured only from then on.
 
 use crate::Accumulators;
 use crate::opening::{INDISTINCT_RAD, ORDER_DD, ORDER_F64, from_top};
@@ -23,7 +23,7 @@ pub struct FirstPass {
     pub anticlockwise: bool,
 }
 
-/// The start of a launch in numbers that keep their leading digits beside the top.
+/// The start of a launch in numbers that keep their leading digits near the top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Release<T> {
     /// Distances of both angles from the top in rad (see [`from_top`]).
@@ -41,8 +41,8 @@ pub struct FirstMoments {
     pub length: f64,
     /// Passes of the top in them by the bobs that were asked for, in order of time.
     pub passes: Vec<FirstPass>,
-    /// Angles in [−π, π] rad: ±π for a bob too near the top for double-double to tell its side, which
-    /// the sign tells.
+    /// Angles in [−π, π] rad: ±π for a bob too near the top for double-double to tell its side,
+    /// which is then in the sign.
     pub angle: [Dd; 2],
     release: Release<Dd>,
 }
@@ -57,7 +57,7 @@ impl<T: Scalar> Release<T> {
     }
 }
 
-/// The unit vector of an angle, from the distance from the top where that has more digits.
+/// The unit vector of an angle, computed from the distance from the top where that has more digits.
 fn vector<T: Scalar>(angle: T, from_top: T) -> [T; 2] {
     if from_top.to_f64().abs() < 0.5 {
         let (sin, cos) = from_top.sin_cos();
@@ -69,7 +69,7 @@ fn vector<T: Scalar>(angle: T, from_top: T) -> [T; 2] {
 }
 
 impl<T: Scalar> Release<T> {
-    /// Returns true if it has no speed.
+    /// Returns true if both speeds are zero.
     pub(crate) fn is_at_rest(&self) -> bool {
         self.speed == [T::zero(); 2]
     }
@@ -83,7 +83,7 @@ impl<T: Scalar> Release<T> {
         }
     }
 
-    /// The same launch with both angles moved, rad.
+    /// The same launch with both angles moved by `by` rad.
     fn moved_by(&self, by: [T; 2]) -> Self {
         let turned = |bob: usize| {
             let ([x, y], (sin, cos)) = (self.vectors[bob], by[bob].sin_cos());
@@ -167,14 +167,15 @@ impl FirstMoments {
         Launch { angle: self.angle, speed: self.release.speed.map(|w| w / unit_secs) }
     }
 
-    /// Returns true if [`FirstMoments::angle`] and the speeds tell all: it is integrated from its
-    /// release, and a bob too near the top for double-double is exactly there.
+    /// Returns true if [`FirstMoments::angle`] and the speeds describe the launch completely: it is
+    /// integrated from its release, and a bob too near the top for double-double is exactly at it.
     pub fn is_plain(&self) -> bool {
         let is_told = |from_top: &Dd| from_top.hi == 0.0 || from_top.hi.abs() > INDISTINCT_RAD;
         self.length == 0.0 && self.release.from_top.iter().all(is_told)
     }
 
-    /// Unit vectors and momenta at a pass, near those at the release; `pendulum` is in reduced units.
+    /// Unit vectors and momenta at a pass, approximated by those at the release; `pendulum` is in
+    /// reduced units.
     pub fn phase_at(&self, pass: &FirstPass, pendulum: &Pendulum<f64>) -> Phase<f64> {
         let mut phase = self.release.to_f64().phase(pendulum);
         let other = 1 - pass.bob;
@@ -191,8 +192,8 @@ impl FirstMoments {
         self.release.is_at_rest()
     }
 
-    /// The first moments of a launch from angles that differ by `by` rad, which passes the top as
-    /// often: a small displacement, as the errors of a run are.
+    /// The first moments of a launch from angles that differ by `by` rad, with the same passes. The
+    /// displacement must be small, like the errors of a run.
     #[must_use]
     pub fn moved_by(&self, by: [f64; 2]) -> Self {
         let release = self.release.moved_by(by.map(Dd::new));
@@ -200,18 +201,18 @@ impl FirstMoments {
         FirstMoments { release, angle, ..self.clone() }
     }
 
-    /// Unit vectors and momenta where they end, to the precision of f64; `pendulum` is in reduced
+    /// Unit vectors and momenta at their end, to the precision of f64; `pendulum` is in reduced
     /// units.
     pub fn end(&self, pendulum: &Pendulum<f64>) -> Phase<f64> {
         self.release.to_f64().carried::<ORDER_F64>(pendulum, self.length)
     }
 
-    /// The same to the precision of double-double.
+    /// Unit vectors and momenta at their end, to the precision of double-double.
     pub fn precise_end(&self, pendulum: &Pendulum<Dd>) -> Phase<Dd> {
         self.release.carried::<ORDER_DD>(pendulum, self.length)
     }
 
-    /// The passes until their end, and the turns that they make.
+    /// The passes until their end, and the resulting turns.
     pub fn gathered(&self) -> Accumulators {
         let mut gathered = Accumulators::NONE;
         for pass in self.passes.iter().filter(|pass| pass.time.hi <= self.length) {

@@ -20,8 +20,8 @@ pub enum Rule {
     First,
     /// Both bobs, whichever flips first.
     Either,
-    /// No bob: the pendulum is followed for the whole budget, and its turns are counted. A question
-    /// may choose it, a scene cannot.
+    /// No bob: the pendulum is followed for the whole budget, and its turns are counted. Questions
+    /// may use this rule, scenes may not.
     #[serde(skip)]
     Neither,
 }
@@ -71,8 +71,8 @@ impl FromStr for Rule {
 pub enum Status {
     /// No flip within the budget.
     Unflipped = 0,
-    /// An answer to what was asked, such as a flip at the outcome's time. Files call it by what was
-    /// first asked.
+    /// The question was answered, for example by a flip at the outcome's time. Files keep the name
+    /// of the first question, `Flipped`.
     #[serde(rename = "Flipped")]
     Answered = 1,
     /// A flip proved impossible by energy conservation; never simulated.
@@ -84,17 +84,17 @@ pub enum Status {
 /// The default pendulum's unit of time, √(1 m / 9.81 m/s²), in s.
 const DEFAULT_UNIT_SECS: f64 = 0.319_275_428_540_718_2;
 
-/// Greatest error in s with which a flip time is still right: 1 ms, or the same share of its unit
-/// of time for a pendulum that is faster than the default one.
+/// Greatest error in s with which a flip time counts as right: 1 ms or, for a pendulum faster than
+/// the default one, the same share of its unit of time.
 pub fn right_secs(unit_secs: f64) -> f64 {
     1e-3 * (unit_secs / DEFAULT_UNIT_SECS).min(1.0)
 }
 
-/// The convention for a bob that begins exactly at the top, at rest or thrown: it counts as being on
-/// the side from which its first motion leads inward, so that it has not passed the top.
+/// The convention for a bob that begins exactly at the top, at rest or thrown: it counts as being
+/// on the side on which its first motion leads inward, so it has not passed the top.
 ///
-/// Returns the sign of its angle, ±π, from the first coefficient of its motion's power series that is
-/// not zero; none if nothing moves it.
+/// Returns the sign of its angle, ±π, from the first non-zero coefficient of its motion's power
+/// series; `None` if nothing moves it.
 pub(crate) fn side_at_top<T: Scalar>(first_motion: Option<T>) -> Option<T> {
     first_motion.map(|motion| T::from_f64(if motion > T::zero() { -1.0 } else { 1.0 }))
 }
@@ -115,8 +115,8 @@ impl<T: Scalar> Outcome<T> {
         Outcome { status, time }
     }
 
-    /// The outcome of a flip at `time`. No bob flips before its release: a time below 0, or one that is
-    /// no number, is a failure of whatever computed it.
+    /// The outcome of a flip at `time`. No bob flips before its release, so a negative or NaN time
+    /// is a failure of whatever computed it.
     pub fn flipped(time: T) -> Self {
         if time >= T::zero() {
             Outcome { status: Status::Answered, time }
@@ -130,7 +130,7 @@ impl<T: Scalar> Outcome<T> {
 /// outward, from the states at both ends: the root of the quintic that has the angle, speed and
 /// acceleration of both ends. It also finds passes that fall back inside the step.
 ///
-/// The preliminary test is cheap; the accelerations are only computed where a pass is possible.
+/// A cheap test comes first; the accelerations are only computed where a pass is possible.
 #[inline]
 pub fn fraction_of_step<T: Scalar>(
     pendulum: &Pendulum<T>,

@@ -11,20 +11,20 @@ use crate::{Pendulum, State};
 use flipmap_numbers::Exact;
 use flipmap_numbers::dual::Dual;
 
-/// A state with its derivatives by both angles of the start.
+/// A state with its derivatives with respect to both angles of the start.
 type Tangents = Phase<Dual<2>>;
 
-/// Largest error of a step in the middle, which the reference corrects; the tangents' own errors
-/// are about as large compared with their size.
+/// Largest error of a step in the state, which the reference corrects; the tangents' relative
+/// errors are about as large.
 const TOLERANCE: f64 = 1e-9;
 /// Maximum length of a step in reduced time.
 const LONGEST: f64 = 0.5;
-/// Bits by which the trajectory is more precise than the growth that is still to come demands.
+/// Bits of the trajectory beyond those that the remaining growth demands.
 const SPARE_BITS: f64 = 40.0;
 
-/// The reduced time after which a small difference between starts near `angle` (rad) has first grown
-/// by `decades`, measured in unit vectors and scaled momenta; none if that takes longer than `most`.
-/// The pendulum is in reduced units.
+/// The reduced time after which a small difference between starts near `angle` (rad) has first
+/// grown by `decades`, measured in unit vectors and scaled momenta; `None` if that takes longer
+/// than `most`. The pendulum is in reduced units.
 pub fn time_to_grow(
     pendulum: &Pendulum<Exact>,
     angle: [Exact; 2],
@@ -45,8 +45,7 @@ pub fn time_to_grow(
     None
 }
 
-/// Precision, in bits after the point, that the trajectory needs when so many decades of growth are
-/// still to come.
+/// Number of bits after the point that the trajectory needs while `decades` of growth remain.
 fn bits(decades: f64) -> u32 {
     (decades * std::f64::consts::LOG2_10 + SPARE_BITS).max(0.0) as u32
 }

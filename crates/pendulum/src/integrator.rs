@@ -107,7 +107,8 @@ impl<T: Real> State<T> {
         (next, [rest1, rest2])
     }
 
-    /// Adds `change` in the same way, with the rounding losses of the speeds as well.
+    /// Adds `change` like [`State::plus_with_rest`], and makes up for the rounding of the speeds as
+    /// well.
     pub(crate) fn plus_compensated(
         &self,
         rest: &State<T>,

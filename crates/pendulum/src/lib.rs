@@ -1,4 +1,4 @@
-//! The mathematics of the double pendulum, generic over the number type. This crate knows no files,
+//! The mathematics of the double pendulum, generic over the number type. This crate uses no files,
 //! threads or graphics cards.
 //!
 //! * [`pendulum`] holds the five numbers and the equations of motion, written once for scalars,

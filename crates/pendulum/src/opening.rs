@@ -1,12 +1,12 @@
-//! The first moments of a launch: which bobs that begin near the top pass it at once.
+//! The first moments of a launch, which decide which bobs that begin near the top pass it at once.
 //!
 //! A bob's distance from the top is a power series in time, whose coefficients follow from the
-//! equations of motion: in the square of time from rest without friction, in all
-//! powers of time otherwise. Near the top the distance, the speed, the acceleration there and even
-//! the next derivative can all be arbitrarily small, and their signs decide. The passes are
-//! therefore found with more and more digits until changing the coefficients by more than their
-//! errors leaves them unchanged. Engines begin such a start where its first moments end
-//! ([`FirstMoments`]), and cells of starts look at the top from there on.
+//! equations of motion: a series in the square of time from rest without friction, in all powers of
+//! time otherwise. Near the top the distance, the speed, the acceleration and even the next
+//! derivative can all be arbitrarily small, and their signs decide. The passes are therefore
+//! computed with more and more digits until they no longer change when the coefficients change by
+//! more than their errors. Engines integrate such a start from the end of its first moments
+//! ([`FirstMoments`]), and cells of starts examine the top from then on.
 
 use crate::first_moments::{FirstMoments, FirstPass, Release};
 use crate::flip::side_at_top;
@@ -18,30 +18,31 @@ use flipmap_numbers::{Dd, Exact};
 /// Approximate angle in rad through which the fastest bob turns in an opening. Each power of time
 /// contributes less than the previous one by about this factor.
 const TURN: f64 = 0.03;
-/// Number of coefficients with which the series' truncation stays below the rounding of f64, of
-/// double-double and of long numbers: [`TURN`] to this power is below epsilon.
+/// Number of coefficients of a series in f64, and below in double-double and in long numbers:
+/// [`TURN`] to this power is below epsilon, so truncation errors stay below rounding errors.
 pub(super) const ORDER_F64: usize = 14;
 pub(super) const ORDER_DD: usize = 24;
 const ORDER_THETA: usize = 90;
 /// Rounding error of a coefficient, as a multiple of epsilon times the largest value that it can
 /// have.
 const ROUNDINGS: f64 = 256.0;
-/// Difference below which two times of a pass count as the same, in lengths of the opening.
+/// Difference below which two times of a pass count as the same, as a share of the opening's
+/// length.
 const SAME: f64 = 1e-9;
-/// Distance from the top in rad from which on a release from rest without friction is integrated as any
-/// other.
+/// Distance from the top in rad beyond which a release from rest without friction is integrated
+/// like any other start.
 const PLAIN_RAD: f64 = 1e-18;
 /// Distance from the top in rad below which double-double cannot tell its two sides apart.
 pub(crate) const INDISTINCT_RAD: f64 = 1e-29;
 
-/// Bounds on what moves a pendulum, in reduced units.
+/// Bounds on the angular accelerations of a pendulum, in reduced units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rates {
     /// Greatest angular acceleration at rest.
     pull: f64,
-    /// Greatest angular acceleration by turning, over the square of the greater speed.
+    /// Greatest angular acceleration due to rotation, divided by the square of the greater speed.
     whirl: f64,
-    /// Greatest angular deceleration by friction, over the greater speed.
+    /// Greatest angular deceleration due to friction, divided by the greater speed.
     drag: f64,
 }
 
@@ -59,22 +60,23 @@ impl Rates {
         }
     }
 
-    /// Length of the opening in reduced time, for speeds up to `fastest`: no bob that begins farther
-    /// than [`Rates::near_rad`] from the top reaches it so soon.
+    /// Length of the opening in reduced time, for speeds up to `fastest`: no bob that begins
+    /// farther than [`Rates::near_rad`] from the top reaches it within this time.
     pub(crate) fn length(&self, fastest: f64) -> f64 {
         TURN / self.pull.max(1.0).max(self.whirl.max(1.0) * fastest).max(self.drag)
     }
 
-    /// Distance in rad that a bob of this speed cannot cover within `length`, an opening's or less,
-    /// while neither bob is faster than `fastest` at first. The accelerations count twice, which
-    /// makes room for what the speeds gain meanwhile.
+    /// Distance in rad that a bob of this speed cannot cover within `length` (at most an
+    /// opening's), if neither bob is faster than `fastest` at first. The accelerations count twice,
+    /// to allow for the speed gained on the way.
     pub(crate) fn near_rad(&self, speed: f64, fastest: f64, length: f64) -> f64 {
         let acceleration = self.pull + self.whirl * fastest * fastest + self.drag * fastest;
         speed * length + acceleration * length * length
     }
 }
 
-/// The distance of an angle from the top in rad: positive just beyond the seam, negative before.
+/// The signed distance of an angle from the top in rad: negative before the seam at ±π, positive
+/// beyond it.
 pub fn from_top<T: Scalar>(angle: T) -> T {
     if angle < T::zero() { angle + T::pi() } else { angle - T::pi() }
 }
@@ -88,7 +90,7 @@ pub struct Opening {
     /// The bobs whose passes are asked for.
     bobs: &'static [usize],
     rates: Rates,
-    /// Reduced time beyond which nothing is asked.
+    /// Reduced time beyond which passes do not matter.
     budget: f64,
 }
 
@@ -114,8 +116,8 @@ impl Opening {
         }
     }
 
-    /// Returns true if a launch begins so near the top that its first moments must be decided: from
-    /// its distances from the top in rad and its reduced speeds.
+    /// Returns true if a launch with these distances from the top (rad) and reduced speeds begins
+    /// so near the top that its first moments must be determined.
     #[inline]
     pub fn concerns(&self, from_top: [f64; 2], speed: [f64; 2]) -> bool {
         let is_lost = |distance: &f64| distance.abs() <= INDISTINCT_RAD;
@@ -127,7 +129,8 @@ impl Opening {
         from_top[bob].abs() <= 1.01 * self.near_rad(bob, speed)
     }
 
-    /// Distance in rad within which a start from rest may concern the opening.
+    /// Distance from the top in rad within which [`Opening::concerns`] may be true for a start from
+    /// rest.
     pub fn rest_near_rad(&self) -> f64 {
         (1.01 * self.near_rad(0, [0.0; 2])).max(INDISTINCT_RAD)
     }
@@ -150,12 +153,13 @@ impl Opening {
         self.with_more_digits(start, length, course)
     }
 
-    /// The same, with the times of passes to the precision of double-double.
+    /// Returns the same as [`Opening::first_moments`], with the times of passes in double-double.
     pub fn precise_first_moments(&self, start: &State<Exact>) -> FirstMoments {
         self.with_more_digits(start, self.length(start), None)
     }
 
-    /// Decides the course with the digits that it takes, if that is not done.
+    /// Returns the first moments with this course; if it is `None`, determines the course with as
+    /// many digits as it takes.
     fn with_more_digits(
         &self,
         start: &State<Exact>,
@@ -172,9 +176,9 @@ impl Opening {
         FirstMoments::new(start, length, passes, sides)
     }
 
-    /// Returns true if a start is integrated from the end of its first moments. A motion that is even in
-    /// time leaves the top as it came, so that any number type can follow it from the release unless
-    /// it begins far nearer the top than its rounding errors.
+    /// Returns true if a start is integrated from the end of its first moments. A motion that is
+    /// even in time leaves the top the way it came. Any number type can therefore follow it from
+    /// the release, unless it begins much nearer the top than the type's rounding errors.
     fn is_carried(&self, start: &State<Exact>) -> bool {
         let speed = start.speed.map(Exact::to_f64);
         let from_top = start.angle.map(|angle| from_top(angle).to_f64());
@@ -186,8 +190,8 @@ impl Opening {
         self.bobs.iter().any(is_carried)
     }
 
-    /// Decides the course as far as the digits of `T` allow; `None` if they do not suffice. `N` is
-    /// the number of coefficients in time, `H` half of it.
+    /// Determines the course with the digits of `T`; `None` if they do not suffice. `N` is the
+    /// number of coefficients in time, `H` half of it.
     fn course<T: Scalar, const N: usize, const H: usize>(
         &self,
         pendulum: &Pendulum<T>,
@@ -226,8 +230,8 @@ impl Opening {
     }
 }
 
-/// The order of the first term that moves a bob which begins exactly at the top; the inner value is
-/// none if nothing moves it. None if the digits do not tell.
+/// Returns the order of the first term that moves a bob that begins exactly at the top, or
+/// `Some(None)` if nothing moves it; `None` if the digits cannot tell.
 fn leading<T: Scalar, const N: usize>(
     way: &[T; N],
     is_even: bool,
@@ -246,13 +250,15 @@ fn leading<T: Scalar, const N: usize>(
     Some(None)
 }
 
-/// The moments at which an even polynomial changes its sign, by those of half its degree.
+/// Returns the moments at which an even polynomial changes sign, from the polynomial in the square
+/// of time with half its degree.
 fn changes_from_rest<T: Scalar, const N: usize, const H: usize>(way: &[T; N]) -> Vec<T> {
     let in_squares: [T; H] = std::array::from_fn(|k| way[2 * k]);
     sign_changes(&in_squares).into_iter().map(Scalar::sqrt).collect()
 }
 
-/// The passes of a bob at the times between `early` and `late` ones; none if these differ.
+/// Returns the passes of a bob, each midway between its `early` and its `late` time; `None` if
+/// these differ.
 fn passes<T: Scalar, const N: usize>(
     bob: usize,
     way: &[T; N],
@@ -322,8 +328,8 @@ mod tests {
         Pendulum { friction: Some(friction.map(Exact::from_f64)), ..pendulum }
     }
 
-    /// Compares the first pass of each start with the gold standard's, in as many digits; returns the
-    /// number of starts that pass.
+    /// Compares the first pass of each start with that of the gold standard in 384-bit numbers;
+    /// returns the number of starts that pass.
     fn check(pendulum: &Pendulum<Exact>, starts: &[State<Exact>], rule: Rule) -> usize {
         let opening = Opening::new(pendulum, rule.watched(), 1e3);
         let mut passed = 0;
@@ -348,7 +354,8 @@ mod tests {
             };
             let begins_there = from_top.contains(&0.0);
             if begins_there && first.time.hi < 1e-25 {
-                // It leaves the top and comes back within less than the gold standard's digits tell.
+                // The bob leaves the top and comes back sooner than the gold standard's digits can
+                // tell.
                 continue;
             }
             passed += 1;

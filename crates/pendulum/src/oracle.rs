@@ -22,7 +22,7 @@ pub fn outcome<T: Scalar>(
     outcome_from(pendulum, &State::rest(angle), rule, budget)
 }
 
-/// The outcome, likewise, of a start in rad (within (−π, π]) that may have speeds in rad/s.
+/// Returns the same as [`outcome`] for a start (rad, within (−π, π]) that may have speeds (rad/s).
 pub fn outcome_from<T: Scalar>(
     pendulum: &Pendulum<T>,
     start: &State<T>,
@@ -32,8 +32,8 @@ pub fn outcome_from<T: Scalar>(
     outcome_in_bits(pendulum, start, rule, budget, &|_| u32::MAX)
 }
 
-/// The same, with errors of about 2^−`bits` in the step that begins at a time in seconds; floating-point
-/// types use all their digits.
+/// Returns the same as [`outcome_from`], with errors of about 2^−`bits(t)` in the step that begins
+/// at t seconds; floating-point types use all their digits.
 pub fn outcome_in_bits<T: Scalar>(
     pendulum: &Pendulum<T>,
     start: &State<T>,
@@ -55,7 +55,7 @@ pub fn outcome_in_bits<T: Scalar>(
     first_flip(pendulum, start, rule, budget, bits)
 }
 
-/// A start with each bob that is exactly at the top put on the side on which it counts as being (see
+/// Puts each bob that begins exactly at the top on the side on which it counts as being (see
 /// [`side_at_top`]), by the expansion of its motion.
 pub fn settled<T: Scalar>(pendulum: &Pendulum<T>, start: &State<T>) -> State<T> {
     if start.angle.iter().all(|theta| theta.abs() < T::pi()) {
@@ -111,7 +111,7 @@ pub fn is_balanced<T: Scalar>(angle: [T; 2]) -> bool {
     angle.iter().all(|&theta| theta == T::zero() || theta.abs() == T::pi())
 }
 
-/// Seconds into `step` at which `rule` is first met; none if it is not met.
+/// Seconds into `step` at which `rule` is first met; `None` if it is not met.
 pub fn flip_within<T: Scalar>(step: &TaylorStep<T>, rule: Rule) -> Option<T> {
     let units = step.length * step.per_sec;
     rule.watched()
@@ -171,7 +171,7 @@ fn resolved<T: Scalar>() -> T {
     T::from_f64(8.0 * T::EPSILON)
 }
 
-/// Maximum number of halvings: below this part of a step nothing is left to separate.
+/// Maximum number of halvings: a part of a step cut that often cannot be resolved further.
 fn most_halvings<T: Scalar>() -> usize {
     (-T::EPSILON.log2()).ceil().max(50.0) as usize
 }

@@ -54,8 +54,8 @@ pub struct SectionReturn {
     pub p2: Dd,
 }
 
-/// The first return to the section θ1 = 0 of a start on it, a step of the Poincaré map; `None` if
-/// there is none within `most_secs`.
+/// Finds where a start on the section θ1 = 0 first returns to it: one step of the Poincaré map.
+/// `None` if it does not return within `most_secs`.
 pub fn section_return(
     pendulum: &Pendulum<Dd>,
     start: State<Dd>,

@@ -1,16 +1,17 @@
 //! The five numbers of a double pendulum, its equations of motion, energy and forbidden starts.
 //!
 //! The kinetic energy is ½A ω1² + ½B ω2² + C ω1 ω2 cos(θ1−θ2), the potential −P cos θ1 − Q cos θ2:
-//! every point-mass or rod pendulum is five such numbers. Lagrange's equations follow as
+//! five numbers describe any pendulum of point masses or of rods. Lagrange's equations follow as
 //!
 //! ```text
 //! A α1 + C c α2 = −C s ω2² − P sin θ1        c = cos(θ1−θ2)
 //! C c α1 + B α2 =  C s ω1² − Q sin θ2        s = sin(θ1−θ2)
 //! ```
 //!
-//! Friction at the pivots adds −b1 ω1 + b2 (ω2−ω1) to the first right-hand side and −b2 (ω2−ω1) to the
-//! second. Their determinant AB − C² c² = (AB − C²) + C² s² is positive; its constant part is carried as a
-//! sixth number, because computing it from the other five cancels for light first bobs.
+//! Friction at the pivots adds −b1 ω1 + b2 (ω2−ω1) to the first right-hand side and −b2 (ω2−ω1) to
+//! the second. The determinant of the equations, AB − C² c² = (AB − C²) + C² s², is positive. Its
+//! constant part is carried as a sixth number, because computing it from the other five would
+//! cancel for a light first bob.
 
 use crate::flip::Rule;
 use flipmap_numbers::dd::Dd;
@@ -31,8 +32,8 @@ pub struct Pendulum<T> {
     pub q: T,
     /// Least value of the determinant, AB − C², in kg² m⁴.
     pub least_det: T,
-    /// Friction b1 and b2 at the two pivots in N m s; none without friction, so that kernels and
-    /// loops then contain no code for it.
+    /// Friction b1 and b2 at the two pivots in N m s. Without friction it is `None`, and kernels
+    /// and loops contain no code for it.
     pub friction: Option<[T; 2]>,
 }
 
@@ -51,12 +52,12 @@ impl Launch {
         Launch { angle, speed: [Dd::new(0.0); 2] }
     }
 
-    /// Returns true if it has no speed.
+    /// Returns true if both speeds are zero.
     pub fn is_at_rest(&self) -> bool {
         self.speed == [Dd::new(0.0); 2]
     }
 
-    /// The same start with both angles moved, rad.
+    /// The same start with both angles moved by `by` rad.
     #[must_use]
     pub fn moved_by(self, by: [Dd; 2]) -> Self {
         Launch { angle: [0, 1].map(|i| self.angle[i] + by[i]), ..self }
@@ -145,8 +146,8 @@ impl<T: Scalar> Pendulum<T> {
         self.p * cos[0] + self.q * cos[1]
     }
 
-    /// Depth in J beyond which starts cannot meet `rule`: the watched bob at the top costs more
-    /// than they have, even with the other one at the bottom.
+    /// Depth in J beyond which starts cannot meet `rule`: lifting the watched bob to the top takes
+    /// more energy than they have, even with the other bob at the bottom.
     pub fn least_depth(&self, rule: Rule) -> T {
         match rule {
             Rule::Second => self.p - self.q,
@@ -221,7 +222,7 @@ impl<T: Real> Pendulum<T> {
 pub struct Equation<T> {
     /// The matrix M in kg m².
     pub mass: [[T; 2]; 2],
-    /// The right-hand sides τ in N m: centrifugal terms and weight.
+    /// The right-hand sides τ in N m: centrifugal terms, weight and friction.
     pub torque: [T; 2],
 }
 

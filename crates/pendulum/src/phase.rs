@@ -94,8 +94,8 @@ impl<T: Scalar> Pendulum<T> {
     }
 }
 
-/// Distance of two states, as unit vectors and scaled momenta; `inverse_scale` is 1 over the scale of
-/// each momentum.
+/// Distance between two states, in unit vectors and scaled momenta; `inverse_scale` is 1 over the
+/// scale of each momentum.
 pub fn distance<T: Scalar>(a: &Phase<T>, b: &Phase<T>, inverse_scale: [T; 2]) -> T {
     let one = T::from_f64(1.0);
     let [p1, p2] = inverse_scale;

@@ -1,9 +1,10 @@
-//! The trajectory along which a patch of starts is followed, in as many digits as its depth needs.
+//! The trajectory along which a patch of starts is followed, in as many digits as the depth of the
+//! zoom needs.
 //!
-//! Only the middle of a patch must be known to all digits: the states around it are differences,
-//! and those keep their own leading digits in f64. As the differences grow, the middle needs fewer
-//! digits, and an integration with fewer takes a fraction of the time: a reference drops them as it
-//! goes.
+//! Only the middle of a patch must be known to all digits: the states around it are stored as
+//! differences from it, which keep their own leading digits in f64. As the differences grow, the
+//! middle needs fewer digits, and integrating with fewer takes a fraction of the time, so a
+//! reference drops digits as it goes.
 
 use crate::phase::Phase;
 use crate::taylor::{Orbit, TaylorStep};
@@ -17,15 +18,15 @@ use flipmap_numbers::{Exact, Fixed};
 pub trait Reference: Send {
     /// Time from the present moment up to which the trajectory is known; always positive.
     fn reach(&mut self) -> f64;
-    /// Unit vectors and momenta at the time `after` from the present moment, which is at most the
-    /// reach.
+    /// Unit vectors and momenta at the time `after` from the present moment, which must not exceed
+    /// the reach.
     fn phase(&self, after: f64) -> Phase<f64>;
-    /// The sine of `bob`'s angle where it turns round near `after`, close to the top.
+    /// The sine of `bob`'s angle where it turns round, close to the top, near the time `after`.
     fn turn(&self, bob: usize, after: f64) -> f64;
     /// Advances the present moment by `by`.
     fn advance(&mut self, by: f64);
-    /// Lets errors grow to about 2^−`bits` from the next step on. Returns the same trajectory in shorter
-    /// numbers if those have as many bits.
+    /// Lets errors grow to about 2^−`bits` from the next step on. Returns the same trajectory in
+    /// shorter numbers if these have enough bits.
     fn with_fewer_digits(&mut self, bits: u32) -> Option<Box<dyn Reference>>;
 }
 
@@ -38,12 +39,12 @@ struct FixedReference<const N: usize> {
     into: Fixed<N>,
 }
 
-/// Bits that a trajectory has beyond those that its differences need, against its rounding errors.
+/// Bits of a trajectory beyond those that its differences need, to absorb rounding errors.
 const GUARD_BITS: u32 = 10;
 /// Further bits that are kept when digits are dropped, as differences may shrink again for a while.
 const SPARE_BITS: u32 = 16;
 
-/// The least number of bits after the point: a phase in f64 shows nearly as many.
+/// Least number of bits after the point: a phase in f64 has nearly as many.
 const MIN_BITS: u32 = 56;
 
 /// Number of bits after the point that a trajectory needs for differences of 2^−`size` from it to
@@ -52,7 +53,7 @@ pub fn bits_for(size: u32) -> u32 {
     size + f64::MANTISSA_DIGITS + GUARD_BITS
 }
 
-/// Number of decimal digits after the point in the numbers whose errors are at most 2^−`bits`.
+/// Number of decimal digits after the point in the numbers used for errors of at most 2^−`bits`.
 pub fn digits_for(bits: u32) -> u32 {
     (f64::from(64 * (limbs_for(bits) as u32 - 1)) * std::f64::consts::LOG10_2) as u32
 }
@@ -67,7 +68,7 @@ pub fn reference(
     from(pendulum, start, bits)
 }
 
-/// Drops the digits that a reference no longer needs where neighbours are `spread` away from it.
+/// Drops the digits that a reference no longer needs when its neighbours are `spread` away.
 pub(crate) fn drop_digits(reference: &mut Box<dyn Reference>, spread: f64) {
     let size = (-spread.log2()).ceil().max(0.0) as u32;
     if let Some(coarser) = reference.with_fewer_digits(bits_for(size) + SPARE_BITS) {

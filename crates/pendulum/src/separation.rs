@@ -2,7 +2,7 @@
 //!
 //! The distance is taken in phase space: √(Δθ1² + Δθ2² + (Δω1² + Δω2²) T²), in rad, with angle
 //! differences taken the short way round and T = √(C/Q), the pendulum's natural unit of time
-//! (√(l1/g) for points), so that it does not depend on the unit of a clock.
+//! (√(l1/g) for points). It therefore does not depend on the unit of time.
 
 use crate::{Pendulum, State};
 use flipmap_numbers::Dd;
@@ -51,9 +51,9 @@ pub const SATURATED_RAD: f64 = 0.1;
 /// Exponential growth: separation ≈ `at_release_rad` · exp(`rate_per_sec` · t), until it saturates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
-    /// Growth rate: the number of factors of e per second.
+    /// Growth rate: the logarithm of the growth factor per second.
     pub rate_per_sec: f64,
-    /// One standard error of the rate; neighbouring readings have similar errors, and so count as
+    /// One standard error of the rate. Neighbouring readings have similar errors, so they count as
     /// fewer readings.
     pub uncertainty_per_sec: f64,
     /// Value of the fitted line at time 0, in rad.

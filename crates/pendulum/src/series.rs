@@ -88,7 +88,8 @@ fn product<T: Real, const N: usize>(x: &[T; N], y: &[T; N], k: usize) -> T {
     from_first(x[0] * y[k], &x[1..k + 1], &y[..k])
 }
 
-/// The same coefficient without the term in `x[0]`, whose partner is not known yet.
+/// The coefficient of order `k` of the product without the term in `x[0]`, whose partner `y[k]` is
+/// not known yet.
 #[inline(always)]
 fn later_product<T: Real, const N: usize>(x: &[T; N], y: &[T; N], k: usize) -> T {
     from_first(x[0].lit(0.0), &x[1..k + 1], &y[..k])

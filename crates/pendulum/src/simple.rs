@@ -44,7 +44,8 @@ impl Simple {
         self.small_period_secs() / agm(1.0, (0.5 * amplitude).cos().abs())
     }
 
-    /// The angle of the pendulum of small swings, `secs` after a release from rest.
+    /// The angle in rad that the theory of small swings gives `secs` after a release from rest at
+    /// `amplitude`.
     pub fn ghost(&self, amplitude: f64, secs: f64) -> f64 {
         amplitude * (self.stiffness().sqrt() * secs).cos()
     }
@@ -69,7 +70,7 @@ impl Simple {
     }
 
     /// The time in s from `swing` to the bottom, within a step of `secs` over which the angle
-    /// changes sign: Newton's method on steps shortened to end there.
+    /// changes sign, by Newton's method on steps shortened to end there.
     pub(crate) fn crossing_secs(&self, swing: Swing, secs: f64) -> f64 {
         let mut within = 0.5 * secs;
         for _ in 0..8 {
@@ -80,7 +81,7 @@ impl Simple {
     }
 }
 
-/// The zero crossings of a swing, and the period between those in one direction.
+/// The latest zero crossings of a swing in one direction, which measure its period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Crossings {
     /// Times in s of the last two passages of the bottom towards the left.

@@ -1,5 +1,5 @@
-//! Tangents of a motion: its derivatives by all four numbers of the start, θ1, θ2, ω1/ω0 and ω2/ω0
-//! with ω0 = √(g/l1), in which speeds are those in reduced units.
+//! Tangents of a motion: its derivatives with respect to the four numbers of the start, θ1, θ2,
+//! ω1/ω0 and ω2/ω0 with ω0 = √(g/l1); the speeds are thus in reduced units.
 
 use crate::Pendulum;
 use crate::phase::Phase;
@@ -7,18 +7,18 @@ use crate::transport::transported_as;
 use flipmap_numbers::dual::Dual;
 use flipmap_numbers::real::Real;
 
-/// A state with its derivatives by the four numbers of its start.
+/// A state with its derivatives with respect to the four numbers of its start.
 pub type Tangents<T, S = T> = Phase<Dual<4, T, S>>;
 
-/// Largest slope before all slopes are divided by this power of two, so that none overflows in f32
-/// within a stretch of steps; the division rounds nothing.
+/// Slope above which all slopes are divided by this power of two, so that none overflows in f32
+/// within a stretch of steps. The division is exact.
 pub const LARGE: f64 = (1u64 << 40) as f64;
 
-/// Longest piece in which a tangent map is followed, in units of time.
+/// Longest reduced time over which a tangent map is followed in one piece.
 const MAX_PIECE: f64 = 16.0;
 
-/// A state with the tangents of a start: the derivatives by its own numbers. `pendulum` is in
-/// reduced units.
+/// A state with the tangents of a start: its derivatives with respect to its own four numbers.
+/// `pendulum` is in reduced units.
 #[inline(always)]
 pub fn released<T: Real>(pendulum: &Pendulum<T>, phase: &Phase<T>) -> Tangents<T> {
     let [x1, y1, x2, y2, p1, p2] = *phase;
@@ -69,7 +69,7 @@ impl TangentMap {
         map
     }
 
-    /// The map after a short time, and the state there.
+    /// The map after a short time, and the state then.
     fn followed_by_piece(
         &self,
         pendulum: &Pendulum<f64>,
@@ -91,7 +91,8 @@ impl TangentMap {
     }
 
     /// The map of a neighbour, to first order in the relative difference of the two maps. The nudge
-    /// that grows faster than all others becomes `here` on this orbit and `there` on the neighbour's.
+    /// that grows faster than all others becomes `here` on this orbit and `there` on the
+    /// neighbour's.
     #[must_use]
     pub(crate) fn of_neighbour(&self, here: [f64; 4], there: [f64; 4]) -> Self {
         let dot = |a: &[f64; 4], b: &[f64; 4]| (0..4).map(|i| a[i] * b[i]).sum::<f64>();
@@ -103,8 +104,9 @@ impl TangentMap {
         TangentMap { columns, ..*self }
     }
 
-    /// The derivatives of the state `phase`, to which the map leads, by the four numbers of the
-    /// start, and the natural logarithm of the factor by which they were scaled down.
+    /// The derivatives of the state `phase`, to which the map leads, with respect to the four
+    /// numbers of the start, and the natural logarithm of the factor by which they were scaled
+    /// down.
     pub fn slopes(&self, pendulum: &Pendulum<f64>, phase: &Phase<f64>) -> (Phase<[f64; 4]>, f64) {
         let through = |own: [f64; 4]| {
             self.columns.map(|column| (0..4).map(|j| own[j] * column[j]).sum::<f64>())
@@ -125,7 +127,7 @@ pub fn log_growth(pendulum: &Pendulum<f64>, state: &Tangents<f64>) -> f64 {
 }
 
 /// The derivatives of a state's own four numbers, θ1, θ2 and the reduced speeds, from those of its
-/// unit vectors and momenta; one row for each.
+/// unit vectors and momenta; one row for each direction.
 pub(super) fn nudges<const N: usize>(
     pendulum: &Pendulum<f64>,
     state: &Phase<Dual<N>>,

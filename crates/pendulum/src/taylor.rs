@@ -5,8 +5,9 @@
 //! integration of ODEs by means of high-order Taylor methods*, Exp. Math. 14, 2005). The expansion
 //! is kept, so the motion is known at every moment inside the step, not only at its end.
 //!
-//! A step is a seventh of the radius of convergence, so a coefficient counts for a seventh of the one before
-//! it, and needs fewer digits: numbers whose arithmetic is faster with fewer make use of it.
+//! A step is a seventh of the radius of convergence, so each coefficient counts for a seventh of
+//! the one before it and needs fewer digits. Number types that are faster with fewer digits make
+//! use of this.
 
 use crate::pendulum::{Pendulum, State};
 use flipmap_numbers::polynomial::evaluate;
@@ -15,10 +16,10 @@ use flipmap_numbers::real::Scalar;
 /// A step: the four polynomials in the time since its beginning.
 #[derive(Clone, Debug)]
 pub struct TaylorStep<T> {
-    /// The polynomials' unit of time in seconds: 1 for floating-point types; for others about the radius
-    /// of convergence, so that coefficients neither grow nor vanish.
+    /// The polynomials' unit of time in seconds: 1 for floating-point types; for others about the
+    /// radius of convergence, so that coefficients neither grow nor vanish.
     pub unit_secs: T,
-    /// Units of time in a second.
+    /// Number of these units in a second.
     pub per_sec: T,
     /// Seconds from the release to the beginning of the step.
     pub start: T,
@@ -67,7 +68,8 @@ impl<T: Scalar> Orbit<T> {
         Self::with_bits(pendulum, state, bits_of::<T>())
     }
 
-    /// The same with errors of about 2^−`bits` a step; floating-point types use all their digits.
+    /// Like [`Orbit::new`], with errors of about 2^−`bits` a step; floating-point types use all
+    /// their digits.
     pub(crate) fn with_bits(pendulum: Pendulum<T>, state: State<T>, bits: u32) -> Self {
         let unit_secs = if T::FLOATING { 1.0 } else { first_unit(&pendulum, &state) };
         Orbit {
@@ -81,7 +83,8 @@ impl<T: Scalar> Orbit<T> {
         }
     }
 
-    /// Lets errors grow to about 2^−`bits` a step from the next one on, if that is more than before.
+    /// Lets errors grow to about 2^−`bits` a step from the next one on, if that is more than
+    /// before.
     pub(crate) fn lower_bits(&mut self, bits: u32) {
         if bits < self.series.bits {
             self.series = RecurrenceSeries::new(bits);
@@ -138,7 +141,7 @@ impl<T: Scalar> Orbit<T> {
     }
 }
 
-/// A pendulum in a unit of time of `unit` seconds.
+/// The pendulum with time measured in units of `unit` seconds.
 fn in_units<T: Scalar>(pendulum: &Pendulum<T>, unit: T) -> Pendulum<T> {
     let square = unit * unit;
     let friction = pendulum.friction.map(|pair| pair.map(|b| b * unit));
@@ -149,8 +152,9 @@ fn in_units_of<T: Scalar>(state: &State<T>, unit: T) -> State<T> {
     State { angle: state.angle, speed: state.speed.map(|speed| speed * unit) }
 }
 
-/// The unit of time of a first step, from an expansion in f64. Of a start that f64 cannot tell from an
-/// equilibrium it is that of motions farther away, since the coefficients of long numbers may not overflow.
+/// The unit of time of an orbit's first step, from an expansion in f64. A start that f64 cannot
+/// tell from an equilibrium is first moved away from it, because the coefficients of long numbers
+/// must not overflow.
 fn first_unit<T: Scalar>(pendulum: &Pendulum<T>, state: &State<T>) -> f64 {
     let mut near = State { angle: state.angle.map(T::to_f64), speed: state.speed.map(T::to_f64) };
     let is_still = near.speed.iter().all(|speed| speed.abs() < ASIDE);
@@ -188,7 +192,8 @@ struct RecurrenceSeries<T> {
     speed_squared: [Vec<T>; 2],
     torque: [Vec<T>; 2],
     det: Vec<T>,
-    /// The reciprocal of its first coefficient, for types that divide by many products.
+    /// Reciprocal of the first coefficient of `det`, for types in which a division takes many
+    /// products.
     inverse_det: T,
     alpha: [Vec<T>; 2],
 }
@@ -295,7 +300,8 @@ impl<T: Scalar> RecurrenceSeries<T> {
         T::convolution(&x[..=k], &y[..=k], self.bits_at(k))
     }
 
-    /// The coefficient of order `k` of the square of a series: twice the products of different terms.
+    /// The coefficient of order `k` of the square of a series: each product of two different terms
+    /// is computed once and counted twice.
     fn square(&self, x: &[T], k: usize) -> T {
         let (pairs, bits) = (k.div_ceil(2), self.bits_at(k));
         let half = T::convolution(&x[..pairs], &x[k + 1 - pairs..=k], bits);
@@ -340,18 +346,21 @@ fn sin_cos_exact<T: Scalar>(angle: T) -> (T, T) {
     }
 }
 
-/// Distance from an equilibrium in rad, and speed, from which on f64 tells how fast it is left.
+/// Speed (rad/s) below which a start can count as an equilibrium, if its sines are below the square
+/// of this; also the angle in rad by which it is then moved away.
 const ASIDE: f64 = 1e-6;
-/// The factor e⁻² and Jorba and Zou's safety exp(−0.7/(p−1)), taken once for all orders used.
+/// The factor e⁻² times Jorba and Zou's safety factor exp(−0.7/(p−1)), which is rounded to one
+/// value for all orders used.
 const SAFETY: f64 = 0.135_335_283 * 0.95;
 /// Maximum length of a step in its unit of time: a pendulum at an equilibrium has no time scale.
 const MAX_STEP: f64 = 1e3;
-/// Largest ratio of the radii of convergence of two steps: a seventh of a radius away it has changed by a
-/// seventh at most, and the estimates need some room. Steps in units of the radius before are limited by it.
+/// Largest ratio of the radii of convergence of two successive steps: over a seventh of a radius it
+/// changes by at most a seventh, and the estimates need some room. It limits steps in units of the
+/// previous radius.
 const RADIUS_CHANGE: f64 = 1.15;
-/// Number of bits that a coefficient needs fewer than the one before it, if steps are limited like that and
-/// coefficients, which may grow as much from one to the next, carry errors along: log₂ of
-/// 1 / (`RADIUS_CHANGE`² · `SAFETY`).
+/// Number of bits by which each coefficient may be shorter than the one before it: log₂ of 1 /
+/// (`RADIUS_CHANGE`² · `SAFETY`). One `RADIUS_CHANGE` is the limit on the step; the other allows
+/// for coefficients that grow from one to the next and carry errors along.
 const FEWER_BITS: f64 = 2.556;
 /// Further bits of coefficients, against rounding errors in the sums of many products.
 const GUARD_BITS: u32 = 10;
@@ -385,7 +394,7 @@ mod tests {
         assert!(back.speed[1].hi.abs() < 1e-27);
     }
 
-    /// The angles of a pendulum of many digits after `secs`, whose steps have errors of 2^−`bits`.
+    /// The angles after `secs` of a pendulum in long numbers whose steps have errors of 2^−`bits`.
     fn angles_after(secs: f64, bits: u32) -> [Fixed<8>; 2] {
         let lit = Fixed::<8>::from_f64;
         let pendulum = Pendulum::points([lit(1.0), lit(2.0)], [lit(1.0), lit(0.6)], lit(1.0));
@@ -437,7 +446,8 @@ mod tests {
     fn a_pendulum_nearer_to_an_equilibrium_than_f64_tells_falls_as_exactly() {
         let lit = Fixed::<4>::from_f64;
         let pendulum = Pendulum::points([lit(1.0); 2], [lit(1.0); 2], lit(1.0));
-        // Linear motion: a hundred times the distance is a hundred times as far after the same time.
+        // The motion is linear: from a hundred times the distance, the pendulum gets a hundred
+        // times as far in the same time.
         let after = |by: f64| {
             let start = [Fixed::<4>::pi() - lit(by), Fixed::pi() + lit(2.0 * by)];
             let state = Orbit::new(pendulum, State::rest(start)).state_at(lit(3.0));

@@ -1,4 +1,4 @@
-//! States brought to another time, by short steps of high order.
+//! Transport of states to another time, by short steps of high order.
 
 use crate::Pendulum;
 use crate::embedded::{dop853, dop853_factor, plus};
@@ -12,14 +12,15 @@ const FIRST_STEP: f64 = 0.1;
 /// Shortest step, in units of time: a motion that needs shorter steps is not that of a pendulum.
 const MIN_STEP: f64 = 1e-9;
 
-/// The state that `phase` becomes after the reduced time `by`, which may be negative; NaN if it cannot
-/// be followed, as when the state is not finite. `pendulum` is in reduced units.
+/// The state that `phase` becomes after the reduced time `by`, which may be negative; NaN if it
+/// cannot be followed, for example because the state is not finite. `pendulum` is in reduced units.
 pub fn transported(pendulum: &Pendulum<f64>, phase: &Phase<f64>, by: f64) -> Phase<f64> {
     let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
     transported_as(pendulum, inverse_scale, phase, by, |number| number)
 }
 
-/// The same for any number type; `value` converts its numbers to f64, by which steps are judged.
+/// Returns the same as [`transported`] for any number type; `value` converts its numbers to f64, in
+/// which the errors of steps are judged.
 pub fn transported_as<T: Real>(
     pendulum: &Pendulum<T>,
     inverse_scale: [T; 2],
@@ -44,8 +45,9 @@ pub fn transported_as<T: Real>(
     phase
 }
 
-/// Number of turns (−1, 0 or 1) of each bob that end between two states less than half a turn
-/// apart: a bob passes the top where `y` changes its sign in the sense in which the bob turns.
+/// Number of turns (−1, 0 or 1, anticlockwise positive) that each bob completes at the top between
+/// two states less than half a turn apart. At the top, unlike at the bottom, `y` becomes negative
+/// when the bob turns anticlockwise.
 pub fn turns_between(before: &Phase<f64>, after: &Phase<f64>) -> [i32; 2] {
     [0, 1].map(|bob| {
         let part = |phase: &Phase<f64>| [phase[2 * bob], phase[2 * bob + 1]];

@@ -1,13 +1,13 @@
 //! Sums of products of fixed-point numbers, rounded once.
 //!
-//! The recurrences of a series are such sums. The coefficients of high orders count for little at the
-//! end of a step, so their lowest limbs are not needed, and leaving those out is most of what there is
-//! to save: the work grows with the square of the limbs.
+//! The recurrences of a power series are sums of this kind. Coefficients of high order count for
+//! little at the end of a step, so their lowest limbs are left out. This is the largest saving
+//! possible: the work grows with the square of the number of limbs.
 
 use super::Fixed;
 
-/// Computes Σ xⱼ yₙ₋₁₋ⱼ over two slices of `n` numbers from their highest `limbs` limbs; lower ones of
-/// the result are zero. Its error is at most 2 n times the last limb that is kept, in its own unit,
+/// Computes Σ xⱼ yₙ₋₁₋ⱼ over two slices of `n` numbers from their highest `limbs` limbs; the lower
+/// limbs of the result are zero. The error is at most 2 n times the unit of the last limb kept,
 /// times the largest of the numbers.
 pub(super) fn convolution<const N: usize>(
     x: &[Fixed<N>],
@@ -26,12 +26,12 @@ pub(super) fn convolution<const N: usize>(
     }
 }
 
-/// The convolution of the highest `M` limbs. They are multiplied as if unsigned, and the effect of the
-/// signs is subtracted at the end, as in [`Fixed::product`].
+/// Returns the convolution of the highest `M` limbs. They are multiplied as if unsigned, and the
+/// effect of the signs is subtracted at the end, as in [`Fixed::product`].
 fn of_highest<const N: usize, const M: usize>(x: &[Fixed<N>], y: &[Fixed<N>]) -> Fixed<N> {
     let mut columns = [[0; 2]; M];
     let columns = columns.as_flattened_mut();
-    // The column below the last one that is kept decides the rounding.
+    // The column just below the last one kept decides the rounding.
     columns[M - 2] = 1 << 63;
     let mut signs = [0; M];
     for (x, y) in x.iter().zip(y.iter().rev()) {
@@ -48,8 +48,8 @@ fn of_highest<const N: usize, const M: usize>(x: &[Fixed<N>], y: &[Fixed<N>]) ->
     Fixed(sum) - Fixed(excess)
 }
 
-/// Adds the product of two numbers to the columns of a sum of products, from the last but one that is
-/// kept.
+/// Adds the product of two numbers to the columns of a sum of products, from the column just below
+/// the last one kept.
 #[inline(always)]
 fn add_product<const M: usize>(columns: &mut [u64], x: &[u64; M], y: &[u64; M]) {
     for i in 0..M {
@@ -68,8 +68,8 @@ fn add_product<const M: usize>(columns: &mut [u64], x: &[u64; M], y: &[u64; M]) 
     }
 }
 
-/// Adds what a product of limbs that are taken as unsigned has too much, one limb further up: each of the
-/// numbers if the other is negative.
+/// Adds the excess of a product whose limbs are taken as unsigned: each number if the other one is
+/// negative. The excess belongs one limb further up.
 #[inline(always)]
 fn add_signs<const M: usize>(excess: &mut [u128; M], x: &[u64; M], y: &[u64; M]) {
     let sign = |number: &[u64; M]| ((number[M - 1] as i64) >> 63) as u64;

@@ -1,8 +1,8 @@
-//! Fixed-point numbers of any length, for the coordinates of a deep zoom and for its reference.
+//! Fixed-point numbers of any length, for the coordinates of a deep zoom and its reference
+//! trajectory.
 //!
 //! All quantities in the equations are bounded, and a coordinate has to resolve an absolute
-//! distance. So a binary point that never moves loses nothing, and sums cost a carry, not an
-//! alignment.
+//! distance. A fixed binary point therefore loses nothing, and sums need a carry but no alignment.
 
 mod convolution;
 mod operators;
@@ -20,8 +20,8 @@ use crate::real::{Angle, Real, Scalar};
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fixed<const N: usize>([u64; N]);
 
-/// A number of 512 bits, such as an angle for views of the plane down to widths of 1e-100 rad, with
-/// 34 digits to spare.
+/// A number of 512 bits: enough for the angles of views down to 1e-100 rad wide, with 34 digits to
+/// spare.
 pub type Exact = Fixed<8>;
 
 /// The limbs of π, highest first.
@@ -37,7 +37,7 @@ const PI: [u64; 9] = [
     0x3f84_d5b5_b547_0917,
 ];
 
-/// Number of limbs with `bits` bits after the point; one limb is before it.
+/// Number of limbs, from 2 to 8, that give `bits` bits after the point; one limb is before it.
 pub fn limbs_for(bits: u32) -> usize {
     1 + bits.div_ceil(64).clamp(1, 7) as usize
 }
@@ -48,7 +48,7 @@ impl<const N: usize> Fixed<N> {
     /// Number of bits after the point.
     pub const BITS: u32 = 64 * (N as u32 - 1);
 
-    /// The number with another number of limbs, rounded down if there are fewer.
+    /// The same number with `M` limbs, rounded down if these are fewer.
     pub fn resized<const M: usize>(self) -> Fixed<M> {
         let mut limbs = [0; M];
         for k in 1..=N.min(M) {
@@ -99,7 +99,7 @@ impl<const N: usize> Fixed<N> {
         }))
     }
 
-    /// The number without its lowest `bits` bits: rounded down.
+    /// The number with its lowest `bits` bits cleared, which rounds it down.
     pub fn without_lowest(self, bits: u32) -> Self {
         Fixed(std::array::from_fn(|k| {
             let below = bits.saturating_sub(64 * k as u32).min(64);
@@ -116,7 +116,7 @@ impl<const N: usize> Fixed<N> {
         let columns = columns.as_flattened_mut();
         for i in 0..N {
             let mut carry = 0u64;
-            // The limb just below the last one that is kept decides the rounding.
+            // The limb just below the last one kept decides the rounding.
             for j in (N - 1).saturating_sub(i + 1)..N {
                 let sum = u128::from(x[i]) * u128::from(y[j])
                     + u128::from(columns[i + j])
@@ -142,7 +142,7 @@ impl<const N: usize> Fixed<N> {
         Fixed(std::array::from_fn(|k| u64::from(k == 0)))
     }
 
-    /// The quotient by a positive integer.
+    /// The number divided by a positive integer.
     fn over(self, divisor: u64) -> Self {
         let mut rest = 0u128;
         let mut limbs = self.magnitude().0;
@@ -166,7 +166,8 @@ impl<const N: usize> Fixed<N> {
         x
     }
 
-    /// Number of bits by which to shift a positive number into [½, 1): to the left if positive.
+    /// Number of bits by which a positive number must be shifted left to lie in [½, 1); a negative
+    /// count shifts it right.
     fn shift_to_half(self) -> i64 {
         let top = self.0.iter().rposition(|&limb| limb != 0).unwrap_or(0);
         let bit = 64 * top as i64 + 63 - i64::from(self.0[top].leading_zeros());
@@ -177,7 +178,7 @@ impl<const N: usize> Fixed<N> {
         if bits >= 0 { self.doubled(bits as u32) } else { self.halved(bits.unsigned_abs() as u32) }
     }
 
-    /// The number without whole turns, in (−π, π].
+    /// Returns the angle without whole turns, in (−π, π].
     pub fn wrapped(self) -> Self {
         let tau = Self::pi().doubled(1);
         let turns = (self.to_f64() / std::f64::consts::TAU).round();
@@ -236,7 +237,7 @@ impl<const N: usize> Angle for Fixed<N> {
     }
 }
 
-/// Sums ± r^n / n! over every second n from `order`, whose term is `first`.
+/// Sums ± r^n / n! over every second n from `order` on; `first` is the term at n = `order`.
 fn series<const N: usize>(r: Fixed<N>, first: Fixed<N>, order: u64) -> Fixed<N> {
     let square = r * r;
     let (mut term, mut sum, mut n) = (first, first, order);

@@ -1,5 +1,5 @@
 //! The coordinates of a cell's starts along its curve, as polynomials in the position of the start:
-//! three polynomials tell all that a line needs to know of a start, and its state is not needed.
+//! three polynomials give all that a line needs of a start, without its state.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -12,18 +12,18 @@ use flipmap_numbers::jet::Jet;
 pub struct CurveCoordinates {
     s: Jet,
     ahead: Jet,
-    /// Square of the distance that remains.
+    /// Square of [`CurvePoint::aside`].
     aside_squared: Jet,
 }
 
 /// Number of starts that are evaluated together.
 const LANES: usize = 8;
-/// Largest difference from the place of a single state at which the polynomials stand for all.
+/// Largest difference from the places of single states at which the polynomials are accepted.
 const AGREES: f64 = 1e-9;
 
 impl FlowPatch {
-    /// The coordinates along the patch's curve; none where they are no polynomials, which shows at
-    /// the rim.
+    /// Returns the coordinates of the starts along the patch's `curve`, or `None` if polynomials do
+    /// not give the places of the states at the rim.
     pub fn coordinates(&self, dynamics: &Dynamics, curve: &PatchCurve) -> Option<CurveCoordinates> {
         let pendulum = &dynamics.jets;
         let mut s = curve.first_guess(dynamics, &self.phase);
@@ -44,7 +44,7 @@ impl FlowPatch {
 }
 
 impl CurveCoordinates {
-    /// The points on the curve of the starts at some places in the cell.
+    /// The curve points of the starts at `places` in the cell.
     pub fn points(&self, places: &[[f64; 2]]) -> Vec<CurvePoint> {
         let mut points = Vec::with_capacity(places.len());
         Arch::new().dispatch(Evaluation { coordinates: self, places, points: &mut points });
@@ -107,7 +107,7 @@ mod tests {
             let exact = curve.point(&dynamics, &patch.phase.map(|jet| jet.at(at))).unwrap();
             assert!(exact.is_near(&point, 1e-10), "{exact:?} {point:?}");
         }
-        // The points of another strip are others.
+        // Another strip gives different points.
         let mut other = release(0.5e-8);
         other.follow(&dynamics, 90.0, 1e-12, None);
         let elsewhere = other.curve(&dynamics, 1e-4).expect("one direction has grown");

@@ -12,34 +12,35 @@ use flipmap_numbers::real::Real;
 pub struct PatchCurve {
     /// The polynomials of P's components, by powers of s.
     powers: Phase<[f64; DEGREE + 1]>,
-    /// P′ in the middle over its squared length, in weighted components: s to first order.
+    /// P′ in the middle over its squared length, in weighted components: the product with a state's
+    /// offset is s to first order.
     across: Phase<f64>,
     middle: Phase<f64>,
 }
 
-/// A state as one on the curve, moved along the flow.
+/// A state written as a point of the curve moved along the flow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvePoint {
     /// Position on the curve; the cell reaches from about −1 to 1.
     pub s: f64,
     /// Reduced time by which the state is ahead of the curve.
     pub ahead: f64,
-    /// Distance that remains, in units of s.
+    /// Remaining distance of the state from that moved point, in units of s.
     pub aside: f64,
 }
 
-/// One iteration towards the place of a state on a curve.
+/// One iteration of the search for a state's place on a curve.
 pub(super) struct CurveStep<T> {
     /// Change of s.
     pub by: T,
     /// Reduced time by which the state is ahead of the curve.
     pub ahead: T,
-    /// Weighted distance that remains.
+    /// Remaining difference of the state, in weighted components.
     pub rest: Phase<T>,
     /// Squared length of the curve's slope.
     pub slope_squared: T,
     flow_squared: T,
-    /// Squared area between slope and flow.
+    /// Squared area of the parallelogram of slope and flow.
     det: T,
 }
 
@@ -51,14 +52,14 @@ const FOUND: f64 = 1e-9;
 const MIN_ANGLE: f64 = 1e-3;
 
 impl FlowPatch {
-    /// The direction, as an angle in its frame, in which its states differ most.
+    /// The direction in which the patch's states differ most, as an angle in its frame.
     pub fn growing_angle(&self, dynamics: &Dynamics) -> f64 {
         growing_angle(dynamics, &self.phase)
     }
 
-    /// Returns the curve of the patch's states if all of them lie on it, moved along the flow, up to
-    /// `most_aside` in units of s; otherwise `None`. Those of starts that flipped in a graze are
-    /// continued as if they had not.
+    /// Returns the curve of the patch's states if the middle and the rim lie within `most_aside`,
+    /// in units of s, of points of the curve moved along the flow; otherwise `None`. Starts that
+    /// flipped in a graze are continued as if they had not.
     pub fn curve(&self, dynamics: &Dynamics, most_aside: f64) -> Option<PatchCurve> {
         let curve = PatchCurve::through(dynamics, &self.phase);
         let lies = |at: [f64; 2]| {
@@ -68,7 +69,7 @@ impl FlowPatch {
         FlowPatch::rim().into_iter().all(lies).then_some(curve)
     }
 
-    /// Places at the rim of a cell, and its middle.
+    /// Eight places on the rim of a cell, and its middle.
     pub(super) fn rim() -> [[f64; 2]; 9] {
         std::array::from_fn(|k| [k % 3, k / 3].map(|third| third as f64 - 1.0))
     }
@@ -117,8 +118,8 @@ impl PatchCurve {
         (1..6).fold(part(0), |sum, i| sum + part(i))
     }
 
-    /// Approaches the place on the curve that is nearest to a state, from `s`: the state is written as
-    /// the one at `s`, moved along the curve and along the flow (a step of Gauss and Newton).
+    /// Takes one Gauss–Newton step from `s` towards the place on the curve nearest to a state: the
+    /// state is written as the one at `s`, moved along the curve and along the flow.
     pub(super) fn approach<T: Real>(
         &self,
         dynamics: &Dynamics,
@@ -142,8 +143,9 @@ impl PatchCurve {
         CurveStep { by, ahead, rest, slope_squared: ss, flow_squared: ff, det }
     }
 
-    /// Writes a state as one on the curve, moved along the flow: the nearest one in unit vectors and
-    /// scaled momenta. `None` if curve and flow cannot be told apart there.
+    /// Writes a state as the nearest point of the curve moved along the flow, by distance in unit
+    /// vectors and scaled momenta. `None` if curve and flow cannot be told apart there, or if the
+    /// search does not converge.
     pub fn point(&self, dynamics: &Dynamics, phase: &Phase<f64>) -> Option<CurvePoint> {
         let mut s = self.first_guess(dynamics, phase);
         for _ in 0..NEWTON_STEPS {
@@ -163,7 +165,7 @@ impl PatchCurve {
 }
 
 impl CurvePoint {
-    /// Returns true if no coordinate of another point differs by more than `most`.
+    /// Returns true if none of its coordinates differs from the other point's by more than `most`.
     pub(super) fn is_near(&self, other: &CurvePoint, most: f64) -> bool {
         let apart = [self.s - other.s, self.ahead - other.ahead, self.aside - other.aside];
         apart.iter().all(|apart| apart.abs() <= most)

@@ -22,8 +22,8 @@ pub struct Dynamics {
     pub(super) inverse_scale: [f64; 2],
 }
 
-/// A step of all states, compiled for the widest registers of the processor. As a closure it would be
-/// compiled for the narrowest.
+/// A step of all states, compiled for the widest registers of the processor. As a closure it would
+/// be compiled for the narrowest.
 struct CarryingStep<'a> {
     dynamics: &'a Dynamics,
     phase: &'a Phase<Jet>,
@@ -75,13 +75,14 @@ impl Dynamics {
         [1.0, 1.0, 1.0, 1.0, p1, p2]
     }
 
-    /// The largest part that a state's polynomials leave out.
+    /// An estimate of the largest truncation error of a state's polynomials.
     pub(super) fn tail(&self, phase: &Phase<Jet>) -> f64 {
         let weight = self.weights();
         (0..6).map(|i| phase[i].tail() * weight[i]).fold(0.0, f64::max)
     }
 
-    /// A bound on the distance of some states from the middle one: unit vectors and scaled momenta.
+    /// A bound on the distance of the states from the middle one, in unit vectors and scaled
+    /// momenta.
     pub(super) fn spread(&self, phase: &Phase<Jet>) -> f64 {
         let weight = self.weights();
         (0..6).map(|i| phase[i].spread() * weight[i]).fold(0.0, f64::max)

@@ -1,4 +1,5 @@
-//! Events of a patch's step at the top: crossings by all starts, and turns in which only some flip.
+//! Events at the top in a step of a patch: crossings by all starts, and turns in which only some
+//! flip.
 
 use super::graze::Graze;
 use super::{Dynamics, FlowPatch, PatchCrossing, PatchStep, SHORTEST, middle};
@@ -11,30 +12,32 @@ use flipmap_numbers::jet::Jet;
 const NEAR: f64 = 8.0;
 /// Distance from the top below which the middle is looked up in its reference.
 const KNOWN_BY_F64: f64 = 1e-6;
-/// Error allowed in the time of a crossing, in reduced time: well below what is called right.
+/// Error allowed in the time of a crossing, in reduced time: far less than a flip time may be wrong
+/// by.
 const TIME_TOLERANCE: f64 = 1e-6;
 
 /// The event that a step of a patch meets at the top.
 pub(super) enum PatchEvent {
     Nothing,
-    /// A turn too far from the top to be a graze, with the least distance from it.
+    /// A turn too far from the top to be a graze, with the least distance from the top.
     FarTurn(f64),
     /// Two events at once.
     TooMuch,
     Unclear,
     /// A crossing by all starts.
     Pass(Box<PatchCrossing>),
-    /// A pass of the middle with the bob of this index, so slow that others may turn round before.
+    /// A pass of the middle by the bob of this index, so slow that the bobs of other starts may
+    /// turn round before the top.
     NearlyGraze(usize),
-    /// The return of the middle from a graze with the bob of this index.
+    /// The return of the middle from a graze by the bob of this index.
     Back(usize),
-    /// A turn in which some may flip, and whether the middle is beyond the top after it.
+    /// A turn in which some starts may flip; true if the middle is beyond the top after it.
     Graze(Box<Graze>, bool),
 }
 
 impl FlowPatch {
-    /// Determines the event at the top within `patch_step`. Until the time `since`, no start was at the
-    /// top or beyond it.
+    /// Determines the event at the top within `patch_step`. Until the time `since`, no start was at
+    /// the top or beyond it.
     pub(super) fn event_in(
         &self,
         dynamics: &Dynamics,
@@ -101,7 +104,7 @@ impl FlowPatch {
             _ => there.phase[2 * bob + 1],
         };
         if there.phase[2 * bob] >= 0.0 || sine.abs() > NEAR * spread {
-            // A pass that was nearly a graze, and whose bob turned round far beyond the top.
+            // If the bob nearly grazed the top before, it has turned round far beyond it: unclear.
             let far =
                 || (there.phase[2 * bob] < 0.0).then_some(PatchEvent::FarTurn(sine.abs() - spread));
             return if self.beyond[bob] { Some(PatchEvent::Unclear) } else { far() };
@@ -190,7 +193,8 @@ impl Dynamics {
         })
     }
 
-    /// Finds the moment at which a quantity vanishes, by Newton's method on polynomials.
+    /// Finds the moment at which a quantity vanishes for each start, by Newton's method on
+    /// polynomials.
     fn moment_of_all(
         &self,
         from: &Phase<Jet>,

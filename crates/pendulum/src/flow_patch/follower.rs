@@ -1,4 +1,4 @@
-//! A patch on its way, step by step.
+//! Following a patch along the flow, step by step.
 
 use super::event::PatchEvent;
 use super::{Dynamics, FlowPatch, GRAZE_WITHIN, PatchEnd, PatchStep};
@@ -10,8 +10,8 @@ use flipmap_numbers::jet::Jet;
 pub(super) struct Follower {
     /// The patch after the steps that were taken.
     patch: FlowPatch,
-    /// The latest patch that may be the end: no start is at the top with any bob, so that events
-    /// alone decide which have passed.
+    /// The latest patch that can serve as the end: no watched bob of any start is at the top, so
+    /// events alone decide which starts have passed.
     clear: FlowPatch,
     /// True once the opening is over, with no start at the top or beyond it.
     is_watching: bool,
@@ -52,8 +52,8 @@ impl Follower {
             }
         }
         if !self.is_watching && self.patch.left_of_opening().is_none() {
-            // Some starts may have passed the top in the opening, and others are about to: nobody saw
-            // which.
+            // Some starts may have passed the top in the opening, while others are about to: it is
+            // not known which.
             if !is_clear {
                 return Err(self.stopped(PatchEnd::Unclear));
             }
@@ -65,7 +65,7 @@ impl Follower {
         Ok(self.patch.plan_step(dynamics, reference))
     }
 
-    /// Goes back to the latest patch that may be the end.
+    /// Goes back to the latest patch that can serve as the end, and returns `end`.
     fn stopped(&mut self, end: PatchEnd) -> PatchEnd {
         self.patch.clone_from(&self.clear);
         end
@@ -76,7 +76,7 @@ impl Follower {
         dynamics.carried(&self.patch.phase, Jet::constant(plan.length))
     }
 
-    /// Takes a step to the states `after`, or a part of it later on; returns the reason for the
+    /// Takes a step to the states `after`, or plans to try half of it; returns the reason for the
     /// patch's end if the step ends it.
     pub(super) fn take(
         &mut self,

@@ -1,4 +1,4 @@
-//! Grazes: turns of a bob near the top in which some of a cell flip and the others do not.
+//! Grazes: turns of a bob near the top in which some starts of a cell flip and others do not.
 
 use super::Dynamics;
 use crate::phase::Phase;
@@ -15,7 +15,7 @@ pub struct Graze {
     pub(super) shift: Jet,
     /// Height beyond the top at the turn, in rad (as a sine).
     pub(super) height: Jet,
-    /// The states at these turns.
+    /// The states of all starts at their turns.
     pub(super) phase: Phase<Jet>,
 }
 
@@ -28,8 +28,8 @@ impl Graze {
         self.height.middle() > self.height.spread()
     }
 
-    /// The reduced time at which the start at a point of the cell flips, and its state then, if it
-    /// does in this graze.
+    /// The reduced time at which the start at a point of the cell flips, and its state then; `None`
+    /// if it does not flip in this graze.
     pub fn flip(&self, dynamics: &Dynamics, at: [f64; 2]) -> Option<(f64, Phase<f64>)> {
         let height = self.height.at(at);
         if height < 0.0 {
@@ -50,7 +50,7 @@ impl Graze {
     /// and the state at the crossing.
     fn rise(&self, dynamics: &Dynamics, mut phase: Phase<f64>, height: f64) -> (f64, Phase<f64>) {
         let (x, y) = (2 * self.bob, 2 * self.bob + 1);
-        // The height's own polynomial knows it to more digits than the phase does.
+        // The height's polynomial gives it to more digits than the phase does.
         phase[y] = -self.side * height;
         let [x1, y1, x2, y2, ..] = phase;
         let speed = dynamics.pendulum.speeds(&phase);

@@ -1,14 +1,15 @@
 //! Flow patches: cells of starts carried by the flow as polynomials, for a deep zoom's start maps.
 //!
-//! The pendulums of a small cell of starts stay together for a long time. Their states at
-//! any time are polynomials in the position of the start within the cell ([`Jet`]), and those obey
-//! the equations of motion: the same right-hand sides and steps that move one pendulum move all. A
-//! patch is followed until its polynomials no longer describe the whole cell; there it is
-//! cut into parts that continue, or its pixels' own integration begins.
+//! The pendulums of a small cell of starts stay together for a long time. Their states at any time
+//! are polynomials in the position of the start within the cell ([`Jet`]), and those obey the
+//! equations of motion: the same right-hand sides and steps that move one pendulum move all. A
+//! patch is followed until its polynomials no longer describe the whole cell; then it is cut into
+//! parts that continue, or its pixels are integrated one by one.
 //!
 //! Crossings are found on the polynomials too. Where all of a patch passes the top, the moment is
-//! itself a polynomial. Where a bob turns round near the top, the height it reaches is one, and its
-//! sign says which starts have flipped: a graze stays one clean line however deep the zoom.
+//! itself a polynomial. Where a bob turns round near the top, so is the height that it reaches, and
+//! the sign of the height says which starts have flipped: a graze stays one clean line however deep
+//! the zoom.
 
 mod coordinates;
 mod curve;
@@ -44,7 +45,7 @@ pub struct FlowPatch {
     pub phase: Phase<Jet>,
     /// Length of the next step to try.
     pub step: f64,
-    /// Number of steps taken, since the release or since it was a part of another one.
+    /// Number of steps taken since the release, or since the patch was cut from a larger one.
     pub steps: u64,
     /// Whole turns of each bob of the middle since the release.
     turns: [i32; 2],
@@ -52,14 +53,15 @@ pub struct FlowPatch {
     far_turns: f64,
     /// Turns near the top at which some of the cell flipped, in order.
     pub grazes: Vec<Graze>,
-    /// True for a bob with which the middle is beyond the top in a graze; never at the patch's end.
+    /// True for each bob that is beyond the top in the middle's state during a graze; never true at
+    /// the patch's end.
     beyond: [bool; 2],
     /// Tangent map of the middle from its release, where nudges are followed.
     nudges: Option<TangentMap>,
-    /// Reduced time in which the top is not examined: it is known beforehand which starts pass it so
-    /// early.
+    /// Reduced time after the release in which the top is not examined: the starts that pass it so
+    /// early are known beforehand.
     opening: f64,
-    /// Distance from the top in rad that no bob covers in that time.
+    /// Distance from the top in rad that no bob covers within the opening.
     opening_rad: f64,
 }
 
@@ -87,14 +89,14 @@ pub struct PatchCrossing {
 }
 
 impl PatchCrossing {
-    /// The crossing at the reduced `time` of the middle, with the delay of the other starts after it and
-    /// their states as they pass. None if any start can pass before the time `since`, until which all
-    /// are known to be on this side of the top: then the polynomials are wrong.
+    /// The crossing of the middle at the reduced `time`, with the delays `shift` of the other
+    /// starts and all states as they pass. `None` if any start can pass before the time `since`,
+    /// until which all are known to be on this side of the top: then the polynomials are wrong.
     fn new(time: f64, shift: Jet, phase: Phase<Jet>, since: f64) -> Option<Self> {
         (time - shift.spread() >= since).then_some(PatchCrossing { time, shift, phase })
     }
 
-    /// The part of the times that their polynomial leaves out, and a bound on the distance of the states
+    /// An estimate of the truncation error of the times, and a bound on the distance of the states
     /// from the middle one.
     pub fn tail_and_spread(&self, dynamics: &Dynamics) -> [f64; 2] {
         [self.shift.tail(), dynamics.spread(&self.phase)]
@@ -106,8 +108,7 @@ impl PatchCrossing {
     }
 }
 
-/// Error allowed in a step of the middle. The polynomials' own errors are about as large compared
-/// with their size.
+/// Error allowed in a step of the middle. The polynomials' relative errors are about as large.
 const STEP_TOLERANCE: f64 = 1e-15;
 /// Maximum reduced time that a patch moves in a step.
 const LONGEST: f64 = 0.5;
@@ -179,12 +180,13 @@ impl FlowPatch {
         }
     }
 
-    /// A bound on the distance of its states from the middle one: unit vectors and scaled momenta.
+    /// A bound on the distance of its states from the middle one, in unit vectors and scaled
+    /// momenta.
     pub fn spread(&self, dynamics: &Dynamics) -> f64 {
         dynamics.spread(&self.phase)
     }
 
-    /// The largest part that its polynomials leave out.
+    /// An estimate of the largest truncation error of its polynomials.
     pub fn tail(&self, dynamics: &Dynamics) -> f64 {
         dynamics.tail(&self.phase)
     }
@@ -197,14 +199,15 @@ impl FlowPatch {
         Jet::constant(0.5) * (p1 * w1 + p2 * w2) - (x1 * p + x2 * q)
     }
 
-    /// Bounds on the distance of its states from the middle one, on the two axes of its frame.
+    /// Bounds on the distance of its states from the middle one, along the two axes of its frame.
     pub fn extents(&self, dynamics: &Dynamics) -> [f64; 2] {
         let weight = dynamics.weights();
         let extents = [0, 1, 2, 3, 4, 5].map(|i| self.phase[i].extents().map(|at| at * weight[i]));
         [0, 1].map(|axis| extents.iter().map(|extent| extent[axis]).fold(0.0, f64::max))
     }
 
-    /// A part of the patch, for which [`FlowPatch::settled`] may be true.
+    /// The part of the patch in `frame`, all of which may have flipped already
+    /// ([`FlowPatch::settled`]).
     pub fn part(&self, dynamics: &Dynamics, frame: &Frame) -> Self {
         let graze = |graze: &Graze| Graze {
             shift: graze.shift.part(frame),
@@ -225,12 +228,13 @@ impl FlowPatch {
         [0, 1].map(|bob| self.turns[bob] + since[bob])
     }
 
-    /// Distance from the top that the watched bobs of the start at a point have kept, as a sine.
+    /// Distance from the top, as a sine, that the watched bobs of the start at a point have kept.
     pub fn clearance(&self, at: [f64; 2]) -> f64 {
         self.grazes.iter().map(|graze| graze.clearance(at)).fold(self.far_turns, f64::min)
     }
 
-    /// Distance from the top that the watched bobs of all starts have kept outside grazes, as a sine.
+    /// Distance from the top, as a sine, that the watched bobs of all starts have kept outside
+    /// grazes.
     pub fn clearance_outside_grazes(&self) -> f64 {
         self.far_turns
     }
@@ -279,8 +283,8 @@ impl FlowPatch {
         end
     }
 
-    /// Returns true if no start is at the top with a watched bob, or beyond it; during the opening, if
-    /// none has been so near that its first moments decide.
+    /// Returns true if no watched bob of any start is at the top or beyond it; during the opening,
+    /// if none has been so near the top that its first moments decide.
     fn is_clear(&self, dynamics: &Dynamics) -> bool {
         let margin = if self.left_of_opening().is_some() { self.opening_rad } else { 0.0 };
         dynamics.rule.watched().iter().all(|&bob| {
@@ -289,7 +293,7 @@ impl FlowPatch {
         })
     }
 
-    /// The rest of the opening, in which the top is not examined; `None` once it is over.
+    /// The time left of the opening, in which the top is not examined; `None` once it is over.
     fn left_of_opening(&self) -> Option<f64> {
         let left = self.opening - self.time.0;
         (left > 1e-9 * self.opening).then_some(left)
@@ -300,7 +304,7 @@ impl FlowPatch {
         self.time.0 > 10.0 * self.opening
     }
 
-    /// Plans the next step, as long as the middle allows it.
+    /// Plans the next step, which is as long as the error of the middle allows.
     fn plan_step(
         &self,
         dynamics: &Dynamics,

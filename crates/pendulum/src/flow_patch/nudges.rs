@@ -1,10 +1,10 @@
-//! The growth of nudges in a patch: the tangent map of its middle, and from that those of its other
-//! starts.
+//! The growth of nudges, small changes of a state, in a patch: the tangent map of its middle, from
+//! which those of its other starts follow.
 //!
-//! The polynomials give the growth of two nudges, those within the plane of the patch; a tangent map
-//! consists of four. It is followed along the middle, where it costs little beside the polynomials.
-//! Late in a patch's motion, all nudges except those across one direction have grown into the same
-//! one, and the polynomials give its differences from start to start.
+//! The polynomials give the growth of only two nudges, those within the plane of the patch; a
+//! tangent map consists of four. The map is therefore followed along the middle, where it costs
+//! little compared with the polynomials. Late in a patch's motion, almost all nudges have grown
+//! into the same one, and the polynomials give its differences from start to start.
 
 use super::{Dynamics, FlowPatch, middle};
 use crate::phase::Phase;
@@ -17,12 +17,13 @@ impl FlowPatch {
         FlowPatch { nudges: Some(TangentMap::identity()), ..self }
     }
 
-    /// Returns true if nudges are followed, and the largest has grown by less than a factor.
+    /// Returns true if nudges are followed and the largest has grown by less than `factor`.
     pub fn has_grown_less_than(&self, factor: f64) -> bool {
         self.nudges.is_some_and(|map| map.log_growth() < factor.ln())
     }
 
-    /// The same patch, with the nudges of its middle followed from the state of its release.
+    /// The same patch, with the nudges of its middle followed from `release`, its state at the
+    /// release.
     #[must_use]
     pub fn with_nudges_from(self, dynamics: &Dynamics, release: &Phase<f64>) -> Self {
         let secs = self.time.0 + self.time.1;
@@ -30,7 +31,7 @@ impl FlowPatch {
         FlowPatch { nudges: Some(map), ..self }
     }
 
-    /// The tangent map of the start at a point of the patch, from its release; none where nudges are
+    /// The tangent map of the start at a point of the patch, from its release; `None` if nudges are
     /// not followed.
     pub fn nudges_at(&self, dynamics: &Dynamics, at: [f64; 2]) -> Option<TangentMap> {
         let map = self.nudges?;
