@@ -1,5 +1,4 @@
-//! Arrays in files that have exactly as many values as they should: the TOML reader itself ignores
-//! what follows.
+//! Arrays of an exact length in files; the TOML reader itself ignores surplus values.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
