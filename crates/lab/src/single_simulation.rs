@@ -12,7 +12,7 @@ const STEPS_A_SEC: f64 = 480.0;
 
 /// Number of steps between two remembered states.
 const PATH_EVERY: u64 = 6;
-/// Number of remembered states, those of ten seconds.
+/// Number of remembered states: ten seconds of them.
 const PATH: usize = 801;
 
 /// A mass on a rod, released from rest.
@@ -79,7 +79,7 @@ impl SinglePendulumSimulation {
         self.path.drain(..old);
     }
 
-    /// Returns the current state, between two steps.
+    /// Returns the current state, which may lie between two steps.
     pub(super) fn now(&self) -> Swing {
         self.simple.step(self.swing, self.clock.share() * self.clock.step_secs)
     }
