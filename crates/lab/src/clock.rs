@@ -1,6 +1,6 @@
-//! Time in fixed steps, so that the results do not depend on the frame rate.
+//! A clock with fixed steps, so that results do not depend on the frame rate.
 
-/// A clock that counts steps of one length and keeps the remaining time since the last one.
+/// A clock that counts steps of one length and keeps the time left since the last one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Clock {
     /// Length of a step in seconds.

@@ -1,4 +1,4 @@
-//! Colours in plain words, for texts that must be true for any palette.
+//! Names colours in plain words, for texts that must be true for any palette.
 
 use flipmap_scene::palette::Rgb;
 
@@ -74,7 +74,7 @@ mod tests {
             [0.0, 0.6, 0.9].map(|x| colour_words(iris.colour(x))),
             ["dark blue", "pink", "orange"]
         );
-        // Every colour of every palette has a name.
+        // Checks that every colour of every palette has a name.
         for name in Palette::names() {
             let palette = Palette::named(name).unwrap();
             assert!(

@@ -47,7 +47,7 @@ impl LiveFigure for Double {
         let [first, second] = ends(lengths, angle);
         let (faint, [one, two, three, _]) = (stage.tint.faint, stage.tint.parts);
         stage.note("Both angles are from the vertical. Drag a bob, or the ring of an arc.");
-        // Arcs keep a minimum size where rods are short, so that their handles can be grabbed.
+        // Arcs keep a least size where rods are short, so that their handles can be grabbed.
         let radius = (0.3 * lengths[0].min(lengths[1])).max(0.1 * reach);
         let handles = [end([0.0; 2], radius, angle[0]), end(first, radius, angle[1])];
         for (at, theta) in [([0.0; 2], angle[0]), (first, angle[1])] {

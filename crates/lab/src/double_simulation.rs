@@ -49,7 +49,7 @@ impl DoublePendulumSimulation {
         }
     }
 
-    /// Releases the pendulum again, in another state.
+    /// Releases the pendulum again, from state `start`.
     pub(super) fn release(&mut self, start: State<f64>) {
         (self.start, self.state) = (start, start);
         self.clock = Clock::new(self.clock.step_secs);
@@ -126,7 +126,7 @@ impl DoublePendulumSimulation {
         self.held = Some(rod);
     }
 
-    /// Returns both angles in words.
+    /// Describes both angles in words.
     pub(super) fn told(&self) -> String {
         let [theta1, theta2] = self.now().angle.map(wrapped);
         format!("θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad")

@@ -66,7 +66,7 @@ impl Tint {
     }
 }
 
-/// A canvas to draw on, in metres from a pivot, y up.
+/// A canvas with coordinates in metres from a pivot, y up.
 pub(crate) struct FigureCanvas {
     /// The painter of the canvas.
     pub painter: Painter,
@@ -119,7 +119,7 @@ impl FigureCanvas {
         (FigureCanvas { painter, rect, tint, pivot, points_per_m, taken }, response)
     }
 
-    /// Returns the screen point of a place given in metres.
+    /// Returns the screen point of a place in metres.
     pub(crate) fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
         self.pivot + vec2(x as f32, -y as f32) * self.points_per_m
     }
@@ -165,7 +165,7 @@ impl FigureCanvas {
         self.painter.circle_filled(self.pivot, 4.0, self.tint.ink);
     }
 
-    /// Draws a ring at a place: a handle to drag.
+    /// Draws a ring at a place, as a handle to drag.
     pub(crate) fn handle(&self, at: [f64; 2], colour: Color32) {
         let at = self.at(at);
         self.taken.shape(Rect::from_center_size(at, Vec2::splat(12.0)));
@@ -252,7 +252,7 @@ pub(crate) fn angle_of(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[0] - from[0]).atan2(from[1] - to[1])
 }
 
-/// Returns an angle without whole turns, in (−π, π].
+/// Wraps an angle to (−π, π].
 pub(crate) fn wrapped(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let turned = angle.rem_euclid(TAU);

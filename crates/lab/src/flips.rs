@@ -16,9 +16,9 @@ use flipmap_scene::{Document, Kind, Plane, PlaneKind, QuestionSettings, Scene};
 pub struct Seen {
     /// Number of pixels computed so far.
     pub pixels: u64,
-    /// Number of starts that conservation of energy keeps from flipping.
+    /// Number of starts that cannot flip because energy is conserved.
     pub forbidden: u64,
-    /// Number of starts that were integrated; mirror images and forbidden starts were not.
+    /// Number of starts that were integrated, which excludes mirror images and forbidden starts.
     pub simulated: u64,
 }
 
@@ -106,7 +106,7 @@ fn has_forbidden(scene: &Scene) -> bool {
     scene.question.watched() != Rule::Neither && scene.build.gravity.value() > 0.0
 }
 
-/// Shows colours of the map, each with its name and its meaning.
+/// Shows sample colours of the map, each with its name and its meaning.
 fn meanings(ui: &mut Ui, scene: &Scene, colours: &AnswerColours) {
     let title = colours.title(scene.question.ask);
     if !colours.is_square() {

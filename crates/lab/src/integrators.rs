@@ -75,7 +75,7 @@ impl Integrator {
     }
 }
 
-/// The errors of the three integrators for several steps.
+/// The errors of the three integrators as a function of the step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Sweep {
     /// Steps in seconds.
@@ -133,7 +133,7 @@ struct MethodRun {
     state: State<f64>,
     /// State one step earlier; the drawn state lies between the two.
     before: State<f64>,
-    /// Times in seconds with relative energy errors.
+    /// Pairs of a time in seconds and the relative energy error at that time.
     errors: Vec<[f64; 2]>,
     diverged_at: Option<f64>,
     /// Past positions of the second bob in metres, the latest last.
@@ -144,7 +144,7 @@ struct MethodRun {
 const TRAIL_SECS: f64 = 1.5;
 
 impl MethodRun {
-    /// Returns the angles to draw, `share` of the way from the state before to the last one.
+    /// Returns the angles to draw, `share` of the way from the previous state to the last one.
     fn drawn(&self, share: f64) -> [f64; 2] {
         let (from, to) = (self.before.angle, self.state.angle);
         [0, 1].map(|i| from[i] + share * (to[i] - from[i]))
@@ -161,7 +161,7 @@ pub(crate) struct Integrators {
     sweep: Sweep,
 }
 
-/// Simulated time in seconds after which the figure starts anew.
+/// Simulated time in seconds after which the figure restarts.
 const MAX_SECS: f64 = 120.0;
 
 impl Default for Integrators {

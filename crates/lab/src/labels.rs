@@ -6,11 +6,11 @@ use egui::{Pos2, Rect, Vec2, vec2};
 
 use super::drawing::corner_inside;
 
-/// The areas of a canvas that are taken.
+/// The areas of a canvas that are already in use.
 #[derive(Debug, Default)]
 pub(super) struct Taken(RefCell<Vec<(Rect, Layer)>>);
 
-/// Kinds of things that take an area.
+/// Kinds of things that use an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layer {
     /// Words, which labels must not cover.

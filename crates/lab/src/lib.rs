@@ -1,4 +1,4 @@
-//! The laboratory: the seven figures of the lesson that this program grew from, live.
+//! The laboratory: live versions of the seven figures in the lesson that this program grew from.
 //!
 //! Each figure is a [`LiveFigure`]: a state that advances in fixed steps at any frame rate, a
 //! drawing, controls, and data as CSV. A window shows one figure at a time; [`still`] draws one
@@ -118,7 +118,7 @@ pub enum FigureRequest {
     EndStory,
 }
 
-/// A figure that runs live and that the user can change.
+/// A figure that runs live and responds to the user.
 pub trait LiveFigure {
     /// Begins again from a start found elsewhere; a single pendulum takes only θ1 and is released
     /// at rest.
@@ -136,7 +136,7 @@ pub trait LiveFigure {
     /// Shows the figure's sliders and numbers, and returns a request to the window if the user
     /// makes one.
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest>;
-    /// Returns the values set by the user, with the start first, in rad.
+    /// Returns the values set by the user, beginning with the start's angles in rad.
     fn set(&self) -> Vec<f64>;
     /// Returns the data as CSV with a header; series over time cover `secs` from the start.
     fn csv(&self, secs: f64) -> String;
@@ -150,7 +150,7 @@ pub struct Lab {
     live: [Option<Box<dyn LiveFigure>>; ENTRIES.len()],
     /// Pause, speed and scrubbing of the figure that is shown.
     pub playing: Playing,
-    /// True if the lab is shown to an audience: large, with few controls.
+    /// True if the lab is laid out for an audience: large, with few controls.
     pub projector: bool,
     /// True if the story is shown beside the figures.
     pub story: bool,
@@ -187,7 +187,7 @@ impl Lab {
         }
     }
 
-    /// Shows a figure and opens a start in it.
+    /// Shows a figure and opens it at a start.
     pub fn open(&mut self, figure: Figure, start: State<f64>) {
         self.show_figure(figure);
         if let Some(live) = self.live() {

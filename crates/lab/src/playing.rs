@@ -24,7 +24,7 @@ pub(crate) const SPEEDS: [(f64, &str); 4] =
     [(0.1, "1/10"), (0.25, "1/4"), (0.5, "1/2"), (1.0, "1")];
 /// Longest piece of time in s by which a figure is advanced when it is run again.
 const PIECE_SECS: f64 = 0.05;
-/// Time that a frame may spend on running a figure again.
+/// Longest time that a frame may spend on running a figure again.
 const SLICE: Duration = Duration::from_millis(6);
 /// Smallest range of the slider in s.
 const RANGE_SECS: f64 = 60.0;

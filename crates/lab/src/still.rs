@@ -8,7 +8,7 @@ use flipmap_engine::EngineError;
 use flipmap_engine::choice::INSTALL_HINT;
 use flipmap_engine::gpu::device::{Gpu, adapters};
 
-/// A picture in RGB, in rows from the top.
+/// An RGB picture, with rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Still {
     /// Width and height in pixels.

@@ -1,4 +1,4 @@
-//! The budget of a pixel: a number of simulated seconds, or as many as the view's depth needs.
+//! The budget of a pixel: a number of simulated seconds, fixed or chosen by the view's depth.
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
@@ -14,7 +14,7 @@ use flipmap_pendulum::growth::time_to_grow;
 pub struct Budget {
     /// Number of seconds.
     pub secs: f64,
-    /// True if the seconds follow the view's depth.
+    /// True if the seconds are chosen by the view's depth.
     pub auto: bool,
 }
 
@@ -31,14 +31,14 @@ const UNITS_A_DECADE: f64 = 10.44;
 const MAX_GROWTH_WAIT: f64 = 3.0;
 /// Step of automatic budgets in units of time; it is large so that a small move recomputes nothing.
 const STEP_UNITS: f64 = 15.660_459_763_365_825;
-/// Number of settled budgets that are kept.
+/// Number of automatic budgets in the cache.
 const MAX_SETTLED_BUDGETS: usize = 64;
 
 /// Cache of the latest automatic budgets in s, because a scene is settled many times on its way.
 static SETTLED: Mutex<VecDeque<(PendulumSpec, View, f64)>> = Mutex::new(VecDeque::new());
 
 impl Budget {
-    /// A fixed budget of `secs` seconds.
+    /// Returns a fixed budget of `secs` seconds.
     pub const fn secs(secs: f64) -> Self {
         Budget { secs, auto: false }
     }
@@ -196,7 +196,7 @@ mod tests {
         assert_eq!([secs(fast, "6"), secs(fast, "1e-3"), secs(fast, "1e-20")], [30.0, 30.0, 60.0]);
         // Growth in the middle of a wide view says nothing about its rim.
         assert_eq!(secs(["2.5", "1"], "0.01"), 30.0);
-        // Nothing grows in small swings, so the width decides.
+        // Nudges do not grow in small swings, so the width decides.
         let slow = ["0.1", "0.1"];
         assert_eq!(secs(slow, "1e-20"), 70.0);
         let moon = PendulumSpec { gravity: (9.81 / 4.0).into(), ..PendulumSpec::default() };

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::exact_length::exactly_if_given;
 use super::{PendulumSpec, PictureTable, Plane, QuestionSettings, Scene, SceneError, View};
 
-/// The newest file format that this program reads, and the one that it writes.
+/// Newest file format that this program reads, which is also the one that it writes.
 pub(super) const FORMAT: u32 = 1;
 
 /// A scene file. The tables after the view never change what is computed.
@@ -36,7 +36,7 @@ pub struct RunTable {
     /// Width and height in pixels.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "exactly_if_given")]
     pub size: Option<[u32; 2]>,
-    /// Name of the accuracy level, where no method is given.
+    /// Name of the accuracy level, if no method is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<String>,
     /// Name of the method.
@@ -103,7 +103,7 @@ impl Default for Document {
 /// Reasons why a text is not a valid scene.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
-    /// A text that is not the TOML of a scene; the message says where and why.
+    /// A text that is not a scene in TOML; the message says where and why.
     #[error("{0}")]
     Syntax(String),
     /// A file written by a newer program.
@@ -117,7 +117,7 @@ pub enum DocumentError {
     Scene(#[from] SceneError),
 }
 
-/// The version alone, read first so that a newer file is reported as newer and not as wrong.
+/// The file's version, read first so that a newer file is reported as newer and not as wrong.
 #[derive(Deserialize)]
 struct Version {
     format: Option<toml::Value>,

@@ -11,7 +11,7 @@ use super::keys::Key;
 use super::{Axis, Budget, PendulumSpec, Plane, QuestionSettings, Scene, SceneError, View};
 use flipmap_numbers::{Decimal, Exact, Scalar};
 
-/// Frames of one size along a path of keys.
+/// A film: frames of one size along a path of keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Film {
@@ -30,18 +30,19 @@ pub struct Film {
 /// The way in which the frames of a film are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilmKind {
-    /// Painted from samples of first flips from rest, which are computed once for all frames.
+    /// Frames painted from samples of first flips from rest, which are computed once for all
+    /// frames.
     Flips,
     /// Answers of one view at later and later times: every trajectory is computed once.
     Moments,
-    /// Each frame is a still of its own.
+    /// Frames that are each computed as a still.
     Stills,
 }
 
 /// The content of one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
-    /// The scene, with the budget of that moment.
+    /// The scene, with the budget at that moment.
     pub scene: Scene,
     /// Simulated seconds that have passed, if the film has a clock; later flips are still dark.
     pub clock_secs: Option<f64>,
@@ -53,10 +54,10 @@ pub enum FilmError {
     /// Too few keys: the camera has nowhere to go.
     #[error("a film needs two keys or more, and this one has {0}")]
     Few(usize),
-    /// A question or a plane that films do not know.
+    /// A setting that films do not support.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A change of something that cannot change gradually.
+    /// A change of a property that cannot change gradually.
     #[error("key {number} has another {what} than the first; in a film it stays the same")]
     Jumps {
         /// Number of the key, from 1.
@@ -374,7 +375,7 @@ mod tests {
             assert_eq!((budget(0), budget(10)), (wide, deep));
             assert!(budget(5) <= 0.5 * (wide + deep), "{}", budget(5));
         }
-        // A pendulum that changes under a camera that stays.
+        // The pendulum changes while the camera stays.
         let mut film = zoom("1e-9");
         film.keys[0].scene.view = film.keys[1].scene.view.clone();
         for (key, secs) in film.keys.iter_mut().zip([75.0, 35.0]) {

@@ -136,7 +136,7 @@ impl Grid {
         [self.right, self.up]
     }
 
-    /// True if all starts are at rest.
+    /// Returns true if all starts are at rest.
     pub(super) fn starts_at_rest(&self) -> bool {
         self.plane.is_at_rest
     }
@@ -178,14 +178,15 @@ impl Grid {
         [self.right, self.up].map(|by| by.map(|part| part.hi))
     }
 
-    /// A bound on the change of either angle over one pixel to the right and one upwards, rad.
+    /// Returns a bound on the change of either angle over one pixel to the right and one upwards,
+    /// in rad.
     pub fn pixel_rad(&self) -> f64 {
         let [right, up] = [self.right, self.up].map(|by| by[0].hi.hypot(by[1].hi));
         right + up
     }
 
-    /// The coordinates of pixel (`column`, `row`), row 0 at the top, in the units of the plane's
-    /// axes; angles lie in [−π, π].
+    /// Returns the coordinates of pixel (`column`, `row`), row 0 at the top, in the units of the
+    /// plane's axes. Angles lie in [−π, π].
     pub fn angle_from_pixel(&self, column: u32, row: u32) -> [Dd; 2] {
         let [x, y] = self.pixels_from_center(column, row).map(Dd::new);
         let wraps = self.plane.axes.map(Axis::wraps);
@@ -207,7 +208,7 @@ impl Grid {
         self.exact_plane.start_at(position)
     }
 
-    /// Offset of a pixel's middle from the centre, to the right and upwards, in pixels.
+    /// Returns the offset of a pixel's middle from the centre, to the right and upwards, in pixels.
     fn pixels_from_center(&self, column: u32, row: u32) -> [f64; 2] {
         let [width, height] = self.size.map(f64::from);
         [f64::from(column) + 0.5 - width / 2.0, height / 2.0 - f64::from(row) - 0.5]
@@ -237,7 +238,7 @@ impl Grid {
             return true;
         }
         let Pendulum { p, q, .. } = self.pendulum;
-        // The most by which the depth changes from one pixel to the next.
+        // Largest change of the depth from one pixel to the next.
         let most = |by: [Dd; 2]| p.abs() * by[0].hi.abs() + q.abs() * by[1].hi.abs();
         let (right, up) = (most(self.right), most(self.up));
         let [x, y] = [0, 1].map(|i| origin[i] + size[i] / 2);

@@ -71,7 +71,7 @@ pub enum KeysError {
     /// An error in a key's scene, or in the file as a whole.
     #[error(transparent)]
     Document(#[from] DocumentError),
-    /// A time that a key cannot have.
+    /// A time that is out of range, or not later than that of the key before.
     #[error("key {number} is at {secs} s; each must be later than the one before, from 0 to 1e6 s")]
     Time {
         /// Number of the key, from 1.

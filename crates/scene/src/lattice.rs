@@ -124,7 +124,8 @@ impl Cell {
         })
     }
 
-    /// Offset of the lower left corner from that of a containing cell, in sides of this cell.
+    /// Returns the offset of the lower left corner from that of a containing cell, in sides of this
+    /// cell.
     pub fn index_in(&self, ancestor: &Cell) -> [f64; 2] {
         let sides = 2f64.powi(self.level as i32);
         [self.x - ancestor.x, self.y - ancestor.y].map(|by| by.to_f64() * sides)
@@ -169,14 +170,14 @@ impl Cell {
         Cell { level: self.level, x: last - self.x, y: last - self.y }
     }
 
-    /// Returns the cell or its image, whichever is computed, and true if that is the image.
+    /// Returns the cell or its image, whichever is computed, and true if it is the image.
     pub fn canonical(&self) -> (Cell, bool) {
         let image = self.mirrored();
         if image < *self { (image, true) } else { (*self, false) }
     }
 
-    /// Returns the cell whose samples are computed for this one, and true if that is its image;
-    /// `mirrors` is true if images have equal samples.
+    /// Returns the cell whose samples are computed for this one, and true if it is the image of
+    /// this one. `mirrors` is true if images have equal samples.
     pub fn computed(&self, mirrors: bool) -> (Cell, bool) {
         if mirrors { self.canonical() } else { (*self, false) }
     }
@@ -191,7 +192,7 @@ impl Cell {
         Grid::square(scene, center, pixel.to_dd(), [samples; 2])
     }
 
-    /// Column and row of the sample nearest to a start inside the cell.
+    /// Returns the column and row of the sample nearest to a start inside the cell.
     pub fn sample_at(&self, angle: [Exact; 2]) -> [u32; 2] {
         let center = self.center();
         let pitch = pitch_rad(self.level);
@@ -229,7 +230,7 @@ impl Region {
         Region { half_rad: self.half_rad.map(|half| half * times), ..*self }
     }
 
-    /// The left or lower sides of the cells along an axis, not wrapped.
+    /// Returns the left or lower sides of the cells along an axis, not wrapped.
     fn sides(&self, axis: usize, level: u32) -> Vec<Turn> {
         let half = Exact::from_f64(self.half_rad[axis]);
         let first = Turn::from_theta(self.center[axis] - half).floor(level);

@@ -28,10 +28,10 @@ pub struct PictureTable {
     /// True if late flips have the palette's first colour.
     #[serde(skip_serializing_if = "is_default")]
     pub reverse: bool,
-    /// Number of times that the palette is run through.
+    /// Number of runs through the palette.
     #[serde(skip_serializing_if = "is_once")]
     pub cycles: f64,
-    /// True if every second run through the palette goes backwards, so that no seam is seen.
+    /// True if every second run through the palette goes backwards, which avoids a seam.
     #[serde(skip_serializing_if = "is_default")]
     pub mirror: bool,
     /// Share of the palette that precedes the first time, from 0 to 1; 0 and 1 look the same.
@@ -110,7 +110,7 @@ fn is_upper_left(light: &f64) -> bool {
     *light == UPPER_LEFT_DEG
 }
 
-/// The relation between times and colours.
+/// The scale that relates times to colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scale {
@@ -221,7 +221,7 @@ impl PictureTable {
         }
     }
 
-    /// Returns true if all pixels of a picture can be held at once.
+    /// Returns true if all pixels of a picture can be held in memory at once.
     fn fits_adaptive(size: [u32; 2]) -> bool {
         size.into_iter().map(u64::from).product::<u64>() <= Self::MAX_ADAPTIVE_PIXELS
     }

@@ -32,7 +32,7 @@ pub struct Plane {
 pub enum PlaneKind {
     /// Two of the angles and speeds.
     Axes([Axis; 2]),
-    /// The angle θ2 and its momentum p2 where θ1 = 0 and dθ1/dt > 0, at a given energy.
+    /// The angle θ2 and the momentum p2 where θ1 = 0 and dθ1/dt > 0, at a given energy.
     Section,
 }
 
@@ -60,7 +60,7 @@ const AXES: [(&str, Axis); 4] = [
 ];
 
 impl PlaneKind {
-    /// The planes that have names of their own.
+    /// The planes with names of their own.
     pub const NAMED: [(&str, PlaneKind); 5] = [
         ("angles", PlaneKind::Axes([Axis::Theta1, Axis::Theta2])),
         ("speeds", PlaneKind::Axes([Axis::Omega1, Axis::Omega2])),
@@ -143,13 +143,13 @@ impl Plane {
         }
     }
 
-    /// Returns true if it is the torus of both angles, with pendulums released from rest.
+    /// Returns true if the plane is the torus of both angles, with pendulums released from rest.
     pub fn is_at_rest(&self) -> bool {
         self.kind == PlaneKind::ANGLES
             && self.origin[2..].iter().all(|speed| Dd::parse(speed) == Some(Dd::new(0.0)))
     }
 
-    /// Returns true if the start at (−x, −y) is the mirror image of the one at (x, y).
+    /// Returns true if the starts at (−x, −y) and (x, y) are mirror images for all x and y.
     pub fn is_symmetric(&self) -> bool {
         let is_zero = |value: &String| Dd::parse(value) == Some(Dd::new(0.0));
         let axes = self.axes().map(Axis::place);
@@ -246,7 +246,7 @@ pub(super) struct PlaneNumbers {
     kind: PlaneKind,
     /// The quantities across and up.
     pub axes: [Axis; 2],
-    /// True if it is the torus of both angles, with pendulums released from rest.
+    /// True if the plane is the torus of both angles, with pendulums released from rest.
     pub is_at_rest: bool,
     origin: [Dd; 4],
     energy: Dd,

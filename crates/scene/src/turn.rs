@@ -59,7 +59,7 @@ impl Turn {
         Turn(self.0.without_lowest(Fixed::<8>::BITS - level))
     }
 
-    /// The place without whole turns, in [0, 1).
+    /// Returns the place without whole turns, in [0, 1).
     pub fn wrapped(self) -> Self {
         self - self.floor(0)
     }

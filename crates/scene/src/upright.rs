@@ -15,7 +15,7 @@ use flipmap_pendulum::opening::from_top;
 /// The angles of some columns and rows of an upright grid.
 #[derive(Clone, Debug)]
 pub struct SeparableGrid {
-    /// Angles of the columns and of the rows (rad, within [−π, π]).
+    /// Angles of the columns and of the rows, in rad within [−π, π].
     pub angles: [Vec<Dd>; 2],
     /// Contributions of each column and each row to a start's depth in the forbidden region; NaN
     /// near the top and at an angle of 0.

@@ -8,7 +8,7 @@ use super::exact_length::exactly;
 use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError};
 use flipmap_numbers::{Dd, Exact, Scalar};
 
-/// Smallest width of a view in rad.
+/// Smallest width of a view, in the unit of the horizontal axis.
 pub const MIN_WIDTH: f64 = 1e-100;
 
 /// Largest deviation from π at which a centre counts as π, as a share of the view's width.
@@ -54,7 +54,7 @@ fn shortened(text: &str) -> String {
     first
 }
 
-/// Number of characters shown of a refused coordinate.
+/// Number of characters of a refused coordinate that are shown.
 const SHOWN: usize = 60;
 
 impl View {

@@ -1,4 +1,4 @@
-//! Outcomes of pixels that are known before any step is taken.
+//! The outcomes of pixels that are known before any step is taken.
 
 use super::Grid;
 use flipmap_numbers::{Dd, Exact, Scalar};

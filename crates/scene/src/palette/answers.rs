@@ -29,7 +29,7 @@ pub(super) enum Way {
     Between(usize, [f64; 2], Palette),
     /// Two angles at once.
     Torus,
-    /// A channel of whole numbers, with the values at the ends of the palette.
+    /// A channel of whole numbers, with the numbers at the ends of the palette.
     Whole(usize, [f64; 2], WholeNumbers, Palette),
     /// The sum of all channels, from 0 to this number.
     Counts(f64, Palette),

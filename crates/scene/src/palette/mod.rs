@@ -67,7 +67,7 @@ impl Palette {
         })
     }
 
-    /// Name of the palette that is used where none is chosen.
+    /// Name of the palette that is used if none is chosen.
     pub(crate) const DEFAULT: &str = "iris";
     /// Name of the default palette in the first versions, which pictures from then record.
     const FIRST_DEFAULT: &str = "batlow";

@@ -15,7 +15,7 @@ pub struct Tones {
     /// True if every second run through the palette goes backwards.
     mirror: bool,
     cycles: f64,
-    /// Runs through the palette that precede the first time.
+    /// Number of runs through the palette that precede the first time.
     shift: f64,
     /// Index of the last run.
     last_run: f64,

@@ -26,7 +26,7 @@ pub enum Sampling {
 impl Sampling {
     /// One sample in the middle of each pixel.
     pub const SINGLE: Sampling = Sampling::Square(1);
-    /// The word for samples in the middle and in the corners.
+    /// Name of [`Sampling::Corners`] in files.
     pub const CORNERS: &'static str = "corners";
 
     /// Returns the number of samples along each axis of a pixel, without those in its corners.

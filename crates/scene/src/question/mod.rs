@@ -85,7 +85,7 @@ pub struct QuestionDef {
 
 /// Criteria by which the report judges the answers to a question against true ones.
 pub struct Judgement {
-    /// Budget of the map that is judged, in s.
+    /// Budget in s of the map that is judged.
     pub budget_secs: f64,
     /// Returns the error of an answer's channels, given those of the true orbit.
     pub error: fn(&[f64], &[f64]) -> f64,
@@ -138,7 +138,8 @@ pub enum Painted {
     TwoAngles,
     /// The sum of all channels, which are counts.
     Sum,
-    /// The kinetic share of the energy above hanging, from both angles and both speeds.
+    /// The kinetic share of the energy, measured from hanging at rest; it uses both angles and both
+    /// speeds.
     EnergySplit,
 }
 
@@ -220,7 +221,7 @@ pub struct QuestionInput<'a> {
     pub unit_secs: f64,
     /// The outcome.
     pub outcome: Outcome,
-    /// State at the event, or else at the end of the budget; reduced units.
+    /// State at the event, or else at the end of the budget, in reduced units.
     pub phase: Phase<f64>,
     /// Simulated seconds until that state.
     pub secs: f64,
