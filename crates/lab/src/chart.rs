@@ -16,7 +16,7 @@ pub enum AxisScale {
     Linear,
     /// Logarithmic: equal ratios are equal lengths.
     Log,
-    /// Logarithmic on both sides of zero, and linear within this distance of it.
+    /// Logarithmic on both sides of zero, and linear up to this distance from it.
     SignedLog(f64),
 }
 
@@ -34,7 +34,7 @@ pub struct ChartAxis {
 /// One curve of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Name in the legend; a curve with an empty one is not listed.
+    /// Name in the legend; a curve with an empty name is not listed.
     pub name: String,
     /// Colour of the line.
     pub colour: Color32,
@@ -53,7 +53,7 @@ pub struct Chart {
     pub up: ChartAxis,
     /// The curves of the chart.
     pub curves: Vec<Curve>,
-    /// Places marked with a dot.
+    /// Points marked with a dot, as (across, up).
     pub marks: Vec<[f64; 2]>,
 }
 
@@ -61,7 +61,7 @@ pub struct Chart {
 const MARGIN: Vec2 = vec2(52.0, 32.0);
 /// Height of a row of the legend above the chart, in points.
 const HEAD: f32 = 18.0;
-/// Greatest number of points of a curve; more could not be told apart.
+/// Largest number of points drawn for a curve; more could not be told apart.
 const MAX_POINTS: usize = 800;
 
 impl Curve {
@@ -125,7 +125,7 @@ impl ChartAxis {
     }
 }
 
-/// Returns the next number of the form 1, 2 or 5 times a power of ten that is at least `least`.
+/// Returns the smallest 1, 2 or 5 times a power of ten that is at least `least`.
 fn round_step(least: f64) -> f64 {
     let power = 10f64.powf(least.log10().floor());
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);
@@ -175,7 +175,7 @@ impl Chart {
     fn places(&self, area: Rect, points: &[[f64; 2]]) -> Vec<Pos2> {
         let stride = points.len().div_ceil(MAX_POINTS).max(1);
         let some = points.iter().step_by(stride).chain(points.last());
-        // Values that are not finite have no place and must not reach the screen.
+        // Values that are not finite have no place on the chart.
         some.filter(|point| point.iter().all(|x| x.is_finite()))
             .map(|point| self.place(area, point))
             .collect()
@@ -201,7 +201,8 @@ impl Chart {
         write_if_free(painter, below, Align2::RIGHT_TOP, name, tint, &mut written);
     }
 
-    /// Writes the name of the axis upwards and the legend above the chart; returns their height.
+    /// Writes the name of the vertical axis and the legend above the chart, and returns their
+    /// height.
     fn head(&self, painter: &Painter, rect: Rect, tint: &Tint) -> f32 {
         let from = rect.left() + MARGIN.x;
         let mut at = pos2(from, rect.top());
@@ -226,7 +227,7 @@ impl Chart {
     }
 }
 
-/// Writes words of a frame unless they would cover others.
+/// Writes words unless they would cover words written before.
 fn write_if_free(
     painter: &Painter,
     at: Pos2,

@@ -1,6 +1,6 @@
-//! Time in fixed steps, so that the results do not depend on the frame rate.
+//! A clock with fixed steps, so that results do not depend on the frame rate.
 
-/// Steps of one length, and the time left between the last one and now.
+/// A clock that counts steps of one length and keeps the time left since the last one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Clock {
     /// Length of a step in seconds.
@@ -10,7 +10,7 @@ pub(crate) struct Clock {
     left_secs: f64,
 }
 
-/// Most seconds caught up at once, so that a window that was away does not race.
+/// Most seconds caught up at once, so that a window does not race after being hidden.
 const MAX_SECS: f64 = 0.25;
 
 impl Clock {
@@ -28,7 +28,7 @@ impl Clock {
         due as usize
     }
 
-    /// Seconds from the start to the last step.
+    /// Returns the seconds from the start to the last step.
     pub(crate) fn secs(&self) -> f64 {
         self.taken as f64 * self.step_secs
     }

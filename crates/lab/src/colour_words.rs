@@ -1,8 +1,8 @@
-//! Colours in plain words, for texts that must be true for any palette.
+//! Names colours in plain words, for texts that must be true for any palette.
 
 use flipmap_scene::palette::Rgb;
 
-/// Hues in degrees up to which each name holds, in rising order.
+/// Upper ends of the hues with each name, in degrees, ascending.
 const HUES: [(f64, &str); 9] = [
     (15.0, "red"),
     (45.0, "orange"),
@@ -14,7 +14,7 @@ const HUES: [(f64, &str); 9] = [
     (345.0, "pink"),
     (360.0, "red"),
 ];
-/// Spread of the channels below which a colour looks grey.
+/// Difference between the largest and the smallest channel below which a colour looks grey.
 const MIN_CHROMA: f64 = 24.0;
 
 /// Returns a colour in one to three words, such as "dark blue".
@@ -74,7 +74,7 @@ mod tests {
             [0.0, 0.6, 0.9].map(|x| colour_words(iris.colour(x))),
             ["dark blue", "pink", "orange"]
         );
-        // Every colour of every palette has a name.
+        // Checks that every colour of every palette has a name.
         for name in Palette::names() {
             let palette = Palette::named(name).unwrap();
             assert!(

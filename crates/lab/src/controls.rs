@@ -1,4 +1,4 @@
-//! Sliders that never leave their range, and that show the range at its ends.
+//! Sliders that keep their values in range, and that show the range when a value reaches an end.
 
 use std::ops::RangeInclusive;
 
@@ -8,8 +8,8 @@ use flipmap_numbers::Decimal;
 use flipmap_pendulum::State;
 use flipmap_scene::{Kind, PendulumSpec};
 
-/// Shows a named number with a slider in a row of a grid; returns true if it was changed. A typed
-/// value outside the range is clamped to it, and the range is shown.
+/// Shows a named number with a slider in a row of a grid, and returns true if it was changed. A
+/// typed value outside the range is clamped to it, and the range is shown.
 pub(super) fn number(
     ui: &mut Ui,
     name: &str,
@@ -21,7 +21,7 @@ pub(super) fn number(
     number_on(ui, name, unit, value, range, wide)
 }
 
-/// Does the same as [`number`], on a logarithmic scale or a linear one.
+/// Does the same as [`number`], with an explicit choice of a logarithmic or linear scale.
 pub(super) fn number_on(
     ui: &mut Ui,
     name: &str,
@@ -89,7 +89,8 @@ fn decimal(ui: &mut Ui, name: &str, unit: &str, value: &mut Decimal, range: Rang
     }
 }
 
-/// Shows the kind, masses, lengths and gravity of a double pendulum; returns true if any changed.
+/// Shows controls for the kind, masses, lengths and gravity of a double pendulum, and returns true
+/// if any changed.
 pub(super) fn build(ui: &mut Ui, build: &mut PendulumSpec) -> bool {
     let before = *build;
     ui.horizontal(|ui| {
@@ -107,7 +108,7 @@ pub(super) fn build(ui: &mut Ui, build: &mut PendulumSpec) -> bool {
     *build != before
 }
 
-/// Shows a row with the speeds of a start that is thrown.
+/// Shows a row with the speeds of a start, unless it is at rest.
 pub(super) fn thrown(ui: &mut Ui, start: &State<f64>) {
     let [omega1, omega2] = start.speed;
     if start.speed != [0.0; 2] {

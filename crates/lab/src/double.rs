@@ -8,7 +8,7 @@ use super::drawing::{FigureCanvas, end, ends, wrapped};
 use super::{FigureRequest, LiveFigure};
 use flipmap_pendulum::State;
 
-/// A live figure of two angles, and of the second pivot riding on the first bob.
+/// The live figure of a double pendulum, with both angles and the second pivot on the first bob.
 #[derive(Clone, Debug)]
 pub(super) struct Double(DoublePendulumSimulation);
 
@@ -47,7 +47,7 @@ impl LiveFigure for Double {
         let [first, second] = ends(lengths, angle);
         let (faint, [one, two, three, _]) = (stage.tint.faint, stage.tint.parts);
         stage.note("Both angles are from the vertical. Drag a bob, or the ring of an arc.");
-        // The arcs keep their size where rods are short, so that they can be taken.
+        // Arcs keep a least size where rods are short, so that their handles can be grabbed.
         let radius = (0.3 * lengths[0].min(lengths[1])).max(0.1 * reach);
         let handles = [end([0.0; 2], radius, angle[0]), end(first, radius, angle[1])];
         for (at, theta) in [([0.0; 2], angle[0]), (first, angle[1])] {

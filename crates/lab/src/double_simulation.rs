@@ -13,7 +13,7 @@ use flipmap_scene::{Kind, PendulumSpec};
 const STEPS_A_SEC: f64 = 960.0;
 /// Number of points of the trail.
 const TRAIL: usize = 480;
-/// Distance in points within which a handle is taken.
+/// Distance in points within which a handle can be grabbed.
 const HANDLE_POINTS: f32 = 12.0;
 /// Number of steps between two points of the trail.
 const TRAIL_EVERY: u64 = 8;
@@ -49,7 +49,7 @@ impl DoublePendulumSimulation {
         }
     }
 
-    /// Releases the pendulum again, in another state.
+    /// Releases the pendulum again, from state `start`.
     pub(super) fn release(&mut self, start: State<f64>) {
         (self.start, self.state) = (start, start);
         self.clock = Clock::new(self.clock.step_secs);
@@ -88,7 +88,7 @@ impl DoublePendulumSimulation {
         self.trail.drain(..old);
     }
 
-    /// Returns the current state, between two steps.
+    /// Returns the current state, which may lie between two steps.
     pub(super) fn now(&self) -> State<f64> {
         let share = self.clock.share() * self.clock.step_secs;
         let change = rk4(&self.pendulum(), &self.state, share, Turning::Fresh);
@@ -101,7 +101,7 @@ impl DoublePendulumSimulation {
     }
 
     /// Holds the bob nearest the pointer while it is dragged, then releases both from rest. A
-    /// handle, which turns the rod of the same number, comes before the bobs.
+    /// handle, which turns the rod with the same index, takes precedence over the bobs.
     pub(super) fn drag(
         &mut self,
         stage: &FigureCanvas,
@@ -126,7 +126,7 @@ impl DoublePendulumSimulation {
         self.held = Some(rod);
     }
 
-    /// Returns both angles in words.
+    /// Describes both angles in words.
     pub(super) fn told(&self) -> String {
         let [theta1, theta2] = self.now().angle.map(wrapped);
         format!("θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad")

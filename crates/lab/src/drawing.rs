@@ -25,7 +25,8 @@ pub struct Tint {
     pub ink: Color32,
     /// Guides and other background details.
     pub faint: Color32,
-    /// Okabe and Ito's colours, distinct to colour-blind people: orange, blue, green, yellow.
+    /// Okabe and Ito's colours, which colour-blind people can tell apart: orange, blue, green,
+    /// yellow.
     pub parts: [Color32; 4],
     /// True if the canvas is dark.
     pub dark: bool,
@@ -65,7 +66,7 @@ impl Tint {
     }
 }
 
-/// A canvas to draw on, in metres from a pivot, y up.
+/// A canvas with coordinates in metres from a pivot, y up.
 pub(crate) struct FigureCanvas {
     /// The painter of the canvas.
     pub painter: Painter,
@@ -78,7 +79,7 @@ pub(crate) struct FigureCanvas {
     taken: Taken,
 }
 
-/// Space in points around the reach of a pendulum, for its bobs.
+/// Margin in points around the reach of a pendulum, for its bobs.
 const RIM: f32 = 28.0;
 
 impl FigureCanvas {
@@ -118,7 +119,7 @@ impl FigureCanvas {
         (FigureCanvas { painter, rect, tint, pivot, points_per_m, taken }, response)
     }
 
-    /// Returns the screen point of a place given in metres.
+    /// Returns the screen point of a place in metres.
     pub(crate) fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
         self.pivot + vec2(x as f32, -y as f32) * self.points_per_m
     }
@@ -164,14 +165,14 @@ impl FigureCanvas {
         self.painter.circle_filled(self.pivot, 4.0, self.tint.ink);
     }
 
-    /// Draws a ring at a place: a handle to drag.
+    /// Draws a ring at a place, as a handle to drag.
     pub(crate) fn handle(&self, at: [f64; 2], colour: Color32) {
         let at = self.at(at);
         self.taken.shape(Rect::from_center_size(at, Vec2::splat(12.0)));
         self.painter.circle(at, 5.0, self.tint.ground, Stroke::new(2.0, colour));
     }
 
-    /// Draws an arrow from a place by a displacement in metres.
+    /// Draws an arrow from a place along a displacement in metres.
     pub(crate) fn arrow(&self, from: [f64; 2], by: [f64; 2], colour: Color32) {
         let tip = self.at([from[0] + by[0], from[1] + by[1]]);
         let start = self.at(from);
@@ -179,7 +180,7 @@ impl FigureCanvas {
         self.painter.arrow(start, tip - start, Stroke::new(2.0, colour));
     }
 
-    /// Draws the arc of an angle at a place, from the downward vertical.
+    /// Draws the arc of an angle, measured from the downward vertical, at a place.
     pub(crate) fn arc(&self, at: [f64; 2], angle: f64, radius_m: f64, colour: Color32) {
         let angle = wrapped(angle);
         let (center, radius) = (self.at(at), radius_m as f32 * self.points_per_m);
@@ -190,8 +191,8 @@ impl FigureCanvas {
         self.painter.add(Shape::line((0..=24).map(point).collect(), Stroke::new(1.5, colour)));
     }
 
-    /// Writes words beside a place, to its right if nothing is there. Everything that they should
-    /// not cover is drawn before.
+    /// Writes words beside a place, to its right if that is free. Call it after drawing everything
+    /// that the words should not cover.
     pub(crate) fn label(&self, at: [f64; 2], words: &str, colour: Color32) {
         let font = FontId::proportional(14.0);
         let galley = self.painter.layout_no_wrap(words.to_string(), font, colour);
@@ -222,12 +223,13 @@ impl FigureCanvas {
     }
 }
 
-/// Radius of a bob, or width of a bar, of a mass in kg, in points.
+/// Returns the radius of a bob, or the width of a bar, of a mass in kg, in points.
 fn width_of(mass: f64) -> f32 {
     (9.0 * mass.sqrt() as f32).clamp(3.0, 26.0)
 }
 
-/// Returns the ends of both rods in metres, for angles from the downward vertical, anticlockwise.
+/// Returns the ends of both rods in metres, for angles measured anticlockwise from the downward
+/// vertical.
 pub(crate) fn ends(lengths: [f64; 2], angle: [f64; 2]) -> [[f64; 2]; 2] {
     let [x1, y1] = end([0.0; 2], lengths[0], angle[0]);
     [[x1, y1], end([x1, y1], lengths[1], angle[1])]
@@ -240,7 +242,7 @@ pub(crate) fn end(from: [f64; 2], length: f64, angle: f64) -> [f64; 2] {
 }
 
 /// Returns the upper left corner of a box of a `size`, moved from `corner` into an `area`. If the
-/// area is too small, as in a window of a few points, the upper left part of the box is seen.
+/// box does not fit into the area, its upper left part is visible.
 pub fn corner_inside(area: Rect, size: Vec2, corner: Pos2) -> Pos2 {
     corner.min(area.max - size).max(area.min)
 }
@@ -250,7 +252,7 @@ pub(crate) fn angle_of(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[0] - from[0]).atan2(from[1] - to[1])
 }
 
-/// Returns an angle without whole turns, in (−π, π].
+/// Wraps an angle to (−π, π].
 pub(crate) fn wrapped(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let turned = angle.rem_euclid(TAU);

@@ -1,4 +1,4 @@
-//! The matrix equation M α = τ in symbols, with the numbers of a moment in their places.
+//! The matrix equation M α = τ in symbols, and with the numbers of a moment in their place.
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
@@ -10,8 +10,8 @@ use flipmap_pendulum::State;
 use flipmap_pendulum::pendulum::Equation;
 use flipmap_scene::{Kind, PendulumSpec};
 
-/// The five different entries of the equation as formulas: M11, M12, M22, τ1 and τ2. A dot
-/// multiplies, and Δ is θ1 − θ2.
+/// The five different entries of the equation as formulas: M11, M12, M22, τ1 and τ2. A dot means
+/// multiplication, and Δ is θ1 − θ2.
 type Formulas = [&'static str; 5];
 
 /// The formulas for bobs on massless rods.
@@ -35,9 +35,9 @@ const RODS: Formulas = [
 pub(super) const HEIGHT: f32 = 132.0;
 /// Height of a line of text in points.
 const LINE: f32 = 18.0;
-/// Shares of the width for the two columns of M, for α and for τ.
+/// Shares of the width: two columns of M, then α and τ.
 const COLUMNS: [f32; 4] = [0.19, 0.23, 0.13, 0.45];
-/// Largest size of the letters in points.
+/// Largest font size in points.
 const LETTER: f32 = 14.0;
 
 /// The numbers that the symbols of a formula stand for.
@@ -64,7 +64,7 @@ impl Moment {
     }
 }
 
-/// Splits a formula into symbols (true) and all that stands between them.
+/// Splits a formula into symbols (true) and the text between them (false).
 fn pieces(formula: &str) -> Vec<(String, bool)> {
     let mut pieces: Vec<(String, bool)> = Vec::new();
     let mut letters = formula.chars().peekable();
@@ -84,8 +84,8 @@ fn pieces(formula: &str) -> Vec<(String, bool)> {
     pieces
 }
 
-/// Lays out a formula in the colours of its parts: with its symbols, or with the numbers of a
-/// moment in their places.
+/// Lays out a formula in the colours of its parts, with its symbols or with the numbers of a moment
+/// in their place.
 fn written(formula: &str, moment: Option<&Moment>, tint: &Tint, letter: f32) -> LayoutJob {
     let mut job = LayoutJob::default();
     let font = FontId::proportional(letter);
@@ -111,14 +111,15 @@ fn part_colour(symbol: &str, tint: &Tint) -> Color32 {
     }
 }
 
-/// Formats a number in the place of a symbol; what moves has two decimals, so that little jumps.
+/// Formats a number that replaces a symbol; a number that changes in time has two decimals, so that
+/// the layout jumps little.
 fn number_words(symbol: &str, value: f64) -> String {
     let moves = symbol.starts_with(['θ', 'ω', 'α', 'Δ']);
     let text = if moves { format!("{value:.2}") } else { brief(value) };
     if value < 0.0 { format!("({})", text.replace('-', "−")) } else { text }
 }
 
-/// An entry of the equation: lines of text, of which the first is the formula.
+/// An entry of the equation, with its formula and its value.
 struct Term<'a> {
     formula: &'a str,
     value: f64,
@@ -165,7 +166,7 @@ fn draw(painter: &Painter, area: Rect, tint: &Tint, moment: &Moment, rows: &[[Te
     let width = area.width() - 12.0;
     let mut left = area.left() + 6.0;
     for (column, share) in COLUMNS.into_iter().enumerate() {
-        // The columns of M share their brackets, and the equals sign stands before τ.
+        // The columns of M share a pair of brackets, and the equals sign precedes τ.
         let gap = if column == 1 { 2.0 } else { 18.0 };
         let room = share * width - gap;
         let middle = left + 0.5 * (share * width + gap);
@@ -185,14 +186,14 @@ fn draw(painter: &Painter, area: Rect, tint: &Tint, moment: &Moment, rows: &[[Te
     }
 }
 
-/// Writes the lines of a cell, centred: symbols, numbers in place, and the value.
+/// Writes the lines of a cell, centred: symbols, numbers in their place, and the value.
 fn lines(painter: &Painter, top: Pos2, room: f32, tint: &Tint, moment: &Moment, cell: &Term) {
     let layout = |letter: f32| {
         let symbols = written(cell.formula, None, tint, letter);
         let numbers = written(cell.formula, Some(moment), tint, letter);
         let value = format!("= {:.3}", cell.value).replace('-', "−");
         let value = LayoutJob::simple_singleline(value, FontId::proportional(letter), tint.ink);
-        // An acceleration is its own value.
+        // The number in place of an acceleration's symbol is already its value.
         let jobs = if cell.formula.starts_with('α') {
             vec![symbols, numbers]
         } else {
@@ -227,7 +228,7 @@ fn bracket(painter: &Painter, area: Rect, [left, right]: [Option<f32>; 2], tint:
 mod tests {
     use super::*;
 
-    /// Returns the value of a formula at a moment: sums of products of powers.
+    /// Returns the value of a formula at a moment; the formula is a sum of products of powers.
     fn value(formula: &str, moment: &Moment) -> f64 {
         let mut text = String::new();
         for (piece, is_symbol) in pieces(formula) {
@@ -238,7 +239,7 @@ mod tests {
         }
         let mut sum = 0.0;
         let mut sign = 1.0;
-        // The bracketed sum of masses is the only one inside of a product.
+        // The bracketed sum of masses is the only sum inside a product.
         for part in
             text.replace(" + m", "+m").split(' ').fold(vec![String::new()], |mut all, word| {
                 let depth = all.last().unwrap().matches('(').count()

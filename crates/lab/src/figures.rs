@@ -1,5 +1,5 @@
-//! The table of the lesson's figures. A new figure is a module, a variant here, and its entry below:
-//! names, titles, keys, tabs and the command line follow from that.
+//! The table of the lesson's figures. A new figure needs a module, a variant of [`Figure`] and an
+//! entry below; names, titles, keys, tabs and the command line follow from the entry.
 
 use egui::Key;
 
@@ -21,13 +21,13 @@ pub(super) struct Entry {
     pub title: &'static str,
     /// A sentence on what the figure shows and what to try.
     pub sentence: &'static str,
-    /// Key that shows it.
+    /// Key that shows the figure.
     pub key: Key,
-    /// Creates the figure in its initial state; nothing for the map.
+    /// Creates the figure in its initial state; returns `None` for the map.
     pub begin: fn() -> Option<Box<dyn LiveFigure>>,
 }
 
-/// All figures in the lesson's order, which is that of [`Figure`].
+/// All figures in the lesson's order, which is also the order of [`Figure`].
 pub(super) static ENTRIES: [Entry; 7] = [
     Entry {
         figure: Figure::Single,

@@ -1,5 +1,5 @@
-//! Figure 7: the map explained in words that are true for its colours, question and plane, with
-//! the numbers of a scene.
+//! Figure 7: the map, explained with the numbers of its scene, in words that hold for its colours,
+//! question and plane.
 
 use egui::{Color32, Grid, Image, Sense, TextureHandle, Ui, vec2};
 
@@ -11,18 +11,18 @@ use flipmap_pendulum::{Pendulum, Rule};
 use flipmap_scene::palette::{AnswerColours, Rgb};
 use flipmap_scene::{Document, Kind, Plane, PlaneKind, QuestionSettings, Scene};
 
-/// Counts of the map's known pixels.
+/// Counts of the map's computed pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// Number of pixels known so far.
+    /// Number of pixels computed so far.
     pub pixels: u64,
-    /// Number of starts that conservation of energy keeps from flipping.
+    /// Number of starts that cannot flip because energy is conserved.
     pub forbidden: u64,
-    /// Number of starts that were integrated; mirror images and forbidden starts were not.
+    /// Number of starts that were integrated, which excludes mirror images and forbidden starts.
     pub simulated: u64,
 }
 
-/// Shows a picture of the map beside its explanation: the figure without a window.
+/// Shows a picture of the map beside its explanation, without the explorer's window.
 pub fn show(ui: &mut Ui, map: &TextureHandle, document: &Document, seen: &Seen) {
     let figure = Figure::Map;
     ui.heading(figure.title());
@@ -65,7 +65,7 @@ pub fn explain(ui: &mut Ui, document: &Document, seen: &Seen) -> Option<Kind> {
     (kind != scene.build.kind).then_some(kind)
 }
 
-/// Returns what a pixel of the plane is.
+/// Describes the start that a pixel of the plane stands for.
 fn plane_words(plane: &Plane) -> String {
     if plane.is_at_rest() {
         return "Every pixel is a pendulum let go at rest at its (θ1, θ2).".to_string();
@@ -84,7 +84,7 @@ fn plane_words(plane: &Plane) -> String {
     }
 }
 
-/// Returns what the colours of a question tell.
+/// Describes the meaning of the colours for a question.
 fn question_words(question: &QuestionSettings) -> String {
     if !question.ask.is_time() || question.watched() == Rule::Neither {
         return question.ask.kind().about.to_string();
@@ -100,12 +100,13 @@ fn question_words(question: &QuestionSettings) -> String {
     }
 }
 
-/// Returns true if conservation of energy may keep starts from the event that is watched for.
+/// Returns true if conservation of energy may keep starts from the event that the question watches
+/// for.
 fn has_forbidden(scene: &Scene) -> bool {
     scene.question.watched() != Rule::Neither && scene.build.gravity.value() > 0.0
 }
 
-/// Shows colours of the map, each with its name and its meaning.
+/// Shows sample colours of the map, each with its name and its meaning.
 fn meanings(ui: &mut Ui, scene: &Scene, colours: &AnswerColours) {
     let title = colours.title(scene.question.ask);
     if !colours.is_square() {
@@ -134,7 +135,7 @@ fn swatch(ui: &mut Ui, colour: Rgb, meaning: &str) {
     });
 }
 
-/// Explains which starts energy keeps from flipping, and how many they are.
+/// Explains which starts have too little energy to flip, and how many they are.
 fn energy(ui: &mut Ui, scene: &Scene, colours: &AnswerColours) {
     if !has_forbidden(scene) {
         return;
@@ -152,7 +153,7 @@ fn energy(ui: &mut Ui, scene: &Scene, colours: &AnswerColours) {
     ui.label(format!("That is {share:.2} % of the whole torus, and costs nothing."));
 }
 
-/// Returns the reason for which starts are forbidden.
+/// Describes why starts are forbidden.
 fn bound_words(rule: Rule, pendulum: &Pendulum<f64>) -> String {
     let second_is_cheaper = pendulum.p >= pendulum.q;
     let pose = match rule {
@@ -167,19 +168,20 @@ fn bound_words(rule: Rule, pendulum: &Pendulum<f64>) -> String {
     )
 }
 
-/// Formats the condition of the forbidden region with the fewest numbers: for equal bobs
-/// 2cos θ1 + cos θ2 > 1, for equal bars 3cos θ1 + cos θ2 > 2.
+/// Formats the condition for forbidden starts with as few numbers as possible: 2cos θ1 + cos θ2 > 1
+/// for equal bobs, 3cos θ1 + cos θ2 > 2 for equal bars.
 fn curve_words(rule: Rule, pendulum: &Pendulum<f64>) -> String {
     let (ratio, bound) = ratios(rule, pendulum);
     format!("forbidden: {} cos θ1 + cos θ2 > {}", plain(ratio), plain(bound))
 }
 
-/// Returns P and the bound of the depth, both divided by Q.
+/// Returns P and the bound on the depth, both divided by Q.
 fn ratios(rule: Rule, pendulum: &Pendulum<f64>) -> (f64, f64) {
     (pendulum.p / pendulum.q, pendulum.least_depth(rule) / pendulum.q)
 }
 
-/// Returns the fraction of the torus that a rule forbids to pendulums released from rest.
+/// Returns the fraction of the torus that is forbidden under a rule for pendulums released from
+/// rest.
 pub(crate) fn forbidden_share(rule: Rule, pendulum: &Pendulum<f64>) -> f64 {
     const STEPS: u32 = 20_000;
     let (ratio, bound) = ratios(rule, pendulum);
@@ -204,7 +206,7 @@ mod tests {
         let share = |kind| forbidden_share(Rule::Second, &pendulum(kind));
         assert!((share(Kind::Rods) - 0.2439).abs() < 5e-5, "{}", share(Kind::Rods));
         assert!((share(Kind::Points) - 0.306_436).abs() < 5e-6, "{}", share(Kind::Points));
-        // What one rule forbids is counted here pixel by pixel for the other rules.
+        // For the other rules, the forbidden starts are counted pixel by pixel.
         for rule in [Rule::First, Rule::Either] {
             let pendulum = pendulum(Kind::Points);
             let angle = |k: u32| (f64::from(k) + 0.5) / 600.0 * std::f64::consts::TAU;

@@ -10,7 +10,7 @@ use super::{FigureRequest, LiveFigure};
 use flipmap_pendulum::State;
 use flipmap_pendulum::simple::MAX_AMPLITUDE;
 
-/// A live figure of a swing and its ghost.
+/// The live figure of a pendulum and its small-angle ghost.
 #[derive(Clone, Debug)]
 pub(super) struct Ghost(SinglePendulumSimulation);
 

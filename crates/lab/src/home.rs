@@ -1,4 +1,4 @@
-//! The home map, computed for its figure where there is no explorer.
+//! The home map, computed for figure 7 where there is no explorer.
 
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
@@ -22,7 +22,8 @@ pub struct HomeMap {
     samples: Samples,
 }
 
-/// Computes the map with which the window opens, of `side` × `side` pixels, at the accuracy level `fast`.
+/// Computes the map that the window opens with, in `side` × `side` pixels, at the accuracy level
+/// `fast`.
 pub fn home_map(side: u32) -> Result<HomeMap, ChoiceError> {
     let document = BuiltIn::home().document();
     let (scene, size) = (document.scene(), [side; 2]);
@@ -40,12 +41,12 @@ pub fn home_map(side: u32) -> Result<HomeMap, ChoiceError> {
 }
 
 impl HomeMap {
-    /// Returns the picture as an egui texture, which lives as long as its handle.
+    /// Returns the picture as an egui texture, which is freed when its handle is dropped.
     pub fn texture(&self, ctx: &Context) -> TextureHandle {
         ctx.load_texture("map", self.image.clone(), TextureOptions::LINEAR)
     }
 
-    /// Returns every pixel's start in rad, status and flip time in seconds as CSV.
+    /// Returns each pixel's start in rad, status and flip time in s as CSV.
     pub fn csv(&self) -> String {
         let side = self.image.size[0] as u32;
         let grid = Grid::new(&self.scene, [side; 2]);

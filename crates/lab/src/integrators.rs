@@ -19,7 +19,7 @@ use flipmap_pendulum::{Pendulum, State};
 pub(crate) enum Integrator {
     /// Explicit Euler, of order 1; gains energy.
     Euler,
-    /// Semi-implicit Euler, of order 1; its energy error stays bounded for long.
+    /// Semi-implicit Euler, of order 1; its energy error stays bounded for a long time.
     SemiImplicit,
     /// The classical Runge–Kutta method, of order 4.
     Rk4,
@@ -33,7 +33,7 @@ impl Integrator {
         (Integrator::Rk4, "RK4"),
     ];
 
-    /// Returns the integrator's colour: red, teal or dark blue, lighter on a dark canvas.
+    /// Returns the integrator's colour: red, teal or dark blue, and lighter on a dark canvas.
     pub(crate) fn colour(self, tint: &Tint) -> Color32 {
         let [dark, light] = match self {
             Integrator::Euler => [(0xff, 0x5c, 0x57), (0xc4, 0x1e, 0x22)],
@@ -75,16 +75,17 @@ impl Integrator {
     }
 }
 
-/// The errors of the three integrators for several steps.
+/// The errors of the three integrators as a function of the step.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Sweep {
     /// Steps in seconds.
     pub steps_secs: Vec<f64>,
-    /// Distance in rad of the final angles from those of a far smaller step, by integrator.
+    /// For each integrator, distances in rad of the final angles from those found with a far
+    /// smaller step.
     pub errors: [Vec<f64>; 3],
 }
 
-/// Simulated time in seconds after which a sweep compares.
+/// Simulated time in seconds after which a sweep compares the final angles.
 const SWEEP_SECS: f64 = 1.0;
 /// Speed in rad/s beyond which a run has diverged: no pendulum is that fast.
 const DIVERGED_SPEED: f64 = 1e6;
@@ -130,9 +131,9 @@ impl Sweep {
 #[derive(Clone, Debug)]
 struct MethodRun {
     state: State<f64>,
-    /// State one step earlier: the drawn state lies between the two.
+    /// State one step earlier; the drawn state lies between the two.
     before: State<f64>,
-    /// Times in seconds with relative energy errors.
+    /// Pairs of a time in seconds and the relative energy error at that time.
     errors: Vec<[f64; 2]>,
     diverged_at: Option<f64>,
     /// Past positions of the second bob in metres, the latest last.
@@ -143,7 +144,7 @@ struct MethodRun {
 const TRAIL_SECS: f64 = 1.5;
 
 impl MethodRun {
-    /// Returns the angles to draw, `share` of the way from the state before to the last one.
+    /// Returns the angles to draw, `share` of the way from the previous state to the last one.
     fn drawn(&self, share: f64) -> [f64; 2] {
         let (from, to) = (self.before.angle, self.state.angle);
         [0, 1].map(|i| from[i] + share * (to[i] - from[i]))
@@ -160,7 +161,7 @@ pub(crate) struct Integrators {
     sweep: Sweep,
 }
 
-/// Simulated time in seconds after which the figure starts anew.
+/// Simulated time in seconds after which the figure restarts.
 const MAX_SECS: f64 = 120.0;
 
 impl Default for Integrators {
@@ -176,7 +177,7 @@ impl Integrators {
         Integrators { sweep, ..Integrators::resting(start, step_secs) }
     }
 
-    /// Does the same without the errors for several steps, which take long.
+    /// Creates the figure without its sweep, which takes long to compute.
     fn resting(start: State<f64>, step_secs: f64) -> Self {
         let run = MethodRun {
             state: start,
@@ -199,7 +200,7 @@ impl Integrators {
         let stage = FigureCanvas::seen(ui, size, 2.0, format!("The pendulum of {name}"));
         let (ink, colour) = (stage.tint.ink, method.colour(&stage.tint));
         let [first, second] = ends([1.0, 1.0], run.drawn(self.clock.share()));
-        // The last point of the trail lies ahead of the state that is drawn.
+        // The last point of the trail lies ahead of the drawn state.
         let trail: Vec<_> = run.trail.iter().copied().collect();
         let past = trail.len().saturating_sub(1);
         stage.trail(&[&trail[..past], &[second]].concat(), colour);
@@ -374,12 +375,13 @@ mod tests {
 
     #[test]
     fn explicit_euler_grows_as_it_is_known_to() {
-        // In a small oscillation in a normal mode every step multiplies the energy by 1 + h²ω².
+        // In a small oscillation in a normal mode, every step multiplies the energy by 1 + h²ω².
         let pendulum = pendulum();
         let omega2 = 9.81 * (2.0 - 2f64.sqrt());
         let start = [1e-4, 2f64.sqrt() * 1e-4];
         let lowest = -(pendulum.p + pendulum.q);
-        // Only the quadratic part: rounding of the whole energy would hide the growth.
+        // Uses only the quadratic part of the energy, because rounding of the whole energy would
+        // hide the growth.
         let energy = |s: &State<f64>| {
             let [t1, t2] = s.angle;
             let [w1, w2] = s.speed;

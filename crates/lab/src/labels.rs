@@ -1,4 +1,4 @@
-//! Places for labels, so that none covers another, and few cover what they name.
+//! Chooses places for labels, so that labels do not cover each other and cover few lines and bobs.
 
 use std::cell::RefCell;
 
@@ -6,20 +6,20 @@ use egui::{Pos2, Rect, Vec2, vec2};
 
 use super::drawing::corner_inside;
 
-/// The areas of a canvas that are taken.
+/// The areas of a canvas that are already in use.
 #[derive(Debug, Default)]
 pub(super) struct Taken(RefCell<Vec<(Rect, Layer)>>);
 
-/// Kinds of things that take an area.
+/// Kinds of things that use an area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layer {
-    /// Words, which must not be covered.
+    /// Words, which labels must not cover.
     Words,
-    /// Lines and bobs, which are better not covered.
+    /// Lines and bobs, which labels cover only if necessary.
     Shapes,
 }
 
-/// Distances of a label from its place in points, the nearest first.
+/// Distances of a label from its place in points, in ascending order.
 const GAPS: [f32; 6] = [12.0, 22.0, 36.0, 54.0, 76.0, 102.0];
 /// Directions from a place to its label: right, left, below, above, then the corners.
 const SIDES: [Vec2; 8] = [
@@ -32,21 +32,21 @@ const SIDES: [Vec2; 8] = [
     vec2(1.0, -1.0),
     vec2(-1.0, -1.0),
 ];
-/// Side of the squares in points by which a line takes its area.
+/// Side in points of the squares that stand for a line.
 const BEAD: f32 = 8.0;
 
 impl Taken {
-    /// Takes an area with words.
+    /// Marks an area as taken by words.
     pub(super) fn words(&self, area: Rect) {
         self.0.borrow_mut().push((area.expand(1.0), Layer::Words));
     }
 
-    /// Takes an area with a shape.
+    /// Marks an area as taken by a shape.
     pub(super) fn shape(&self, area: Rect) {
         self.0.borrow_mut().push((area, Layer::Shapes));
     }
 
-    /// Takes a line.
+    /// Marks the area of a line as taken.
     pub(super) fn line(&self, [from, to]: [Pos2; 2]) {
         let beads = ((to - from).length() / BEAD).ceil().clamp(1.0, 500.0);
         for k in 0..=beads as usize {
@@ -55,7 +55,7 @@ impl Taken {
         }
     }
 
-    /// Finds the best area of a `size` beside a place and inside of an `area`, and takes it.
+    /// Finds the best area of a `size` beside a place and inside an `area`, and takes it.
     pub(super) fn beside(&self, place: Pos2, size: Vec2, area: Rect) -> Rect {
         let mut best = Rect::from_min_size(corner_inside(area, size, place), size);
         let mut least = f32::INFINITY;
@@ -76,7 +76,7 @@ impl Taken {
         best
     }
 
-    /// Returns how bad an area is: what it covers, words counting far more than shapes.
+    /// Returns the cost of an area, which is what it covers; words count far more than shapes.
     fn cost(&self, area: Rect) -> f32 {
         let covered = |(other, layer): &(Rect, Layer)| {
             let shared = area.intersect(*other);

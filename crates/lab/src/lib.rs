@@ -1,9 +1,9 @@
-//! The laboratory: the seven figures of the lesson that this program grew from, live.
+//! The laboratory: live versions of the seven figures in the lesson that this program grew from.
 //!
-//! Each figure is a [`LiveFigure`]: a state that advances in fixed steps whatever the frame rate, a
-//! drawing, controls, and its data as CSV. A window shows one at a time; [`still`] draws one
-//! without a window. The physics is `flipmap_pendulum`'s: no equation is written here. The seventh
-//! figure is the map itself; [`flips`] explains it.
+//! Each figure is a [`LiveFigure`]: a state that advances in fixed steps at any frame rate, a
+//! drawing, controls, and data as CSV. A window shows one figure at a time; [`still`] draws one
+//! without a window. All equations of motion come from `flipmap_pendulum`. The seventh figure is
+//! the map itself, which [`flips`] explains.
 //!
 //! ```
 //! use flipmap_lab::{Figure, Lab};
@@ -96,7 +96,7 @@ impl Figure {
         self.entry().sentence
     }
 
-    /// Returns the figure so many places further in the lesson, if there is one.
+    /// Returns the figure `by` places further on in the lesson, if there is one.
     pub fn beside(self, by: isize) -> Option<Self> {
         Figure::all().nth((self as usize).checked_add_signed(by)?)
     }
@@ -118,10 +118,10 @@ pub enum FigureRequest {
     EndStory,
 }
 
-/// A figure that runs live and that the user can change.
+/// A figure that runs live and responds to the user.
 pub trait LiveFigure {
-    /// Begins again from a start found elsewhere; a single pendulum takes θ1, and is released at
-    /// rest.
+    /// Begins again from a start found elsewhere; a single pendulum takes only θ1 and is released
+    /// at rest.
     fn open(&mut self, start: State<f64>);
     /// Begins again from the same start.
     fn restart(&mut self);
@@ -129,37 +129,38 @@ pub trait LiveFigure {
     fn secs(&self) -> f64;
     /// Advances the figure by `elapsed_secs`.
     fn advance(&mut self, elapsed_secs: f64);
-    /// Returns the current moment in words, for a screen reader.
+    /// Describes the current moment for a screen reader.
     fn told(&self) -> String;
     /// Draws the figure in an area of `size` points.
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2);
-    /// Shows the figure's sliders and numbers; returns a request to the window if there is one.
+    /// Shows the figure's sliders and numbers, and returns a request to the window if the user
+    /// makes one.
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest>;
-    /// Returns the values set by the user, with the start first, in rad.
+    /// Returns the values set by the user, beginning with the start's angles in rad.
     fn set(&self) -> Vec<f64>;
-    /// Returns the data as CSV with a header; data against time cover `secs` from the start.
+    /// Returns the data as CSV with a header; series over time cover `secs` from the start.
     fn csv(&self, secs: f64) -> String;
 }
 
-/// All figures, and the one that is shown.
+/// The laboratory: all figures, and the one that is shown.
 pub struct Lab {
     /// The figure that is shown.
     pub figure: Figure,
-    /// The figures in the order of the table, nothing in the place of the map.
+    /// The figures in the order of [`ENTRIES`], with `None` for the map.
     live: [Option<Box<dyn LiveFigure>>; ENTRIES.len()],
-    /// Pause, speed and moment of the figure that is shown.
+    /// Pause, speed and scrubbing of the figure that is shown.
     pub playing: Playing,
-    /// True if the lab is shown to an audience: large, with few controls.
+    /// True if the lab is laid out for an audience: large, with few controls.
     pub projector: bool,
-    /// True if the story is told beside the figures.
+    /// True if the story is shown beside the figures.
     pub story: bool,
 }
 
 /// Range of the width of the controls in points.
 const CONTROLS_WIDTH: std::ops::RangeInclusive<f32> = 290.0..=410.0;
-/// Width in points that a slider leaves for its name and its number.
+/// Width in points that a row needs beside its slider, for the name and the number.
 const BESIDE_SLIDER: f32 = 176.0;
-/// Height of the controls of time in points.
+/// Height of the playback controls in points.
 const BAR_HEIGHT: f32 = 30.0;
 
 impl Lab {
@@ -169,7 +170,7 @@ impl Lab {
         Lab { figure, live, playing: Playing::default(), projector: false, story: false }
     }
 
-    /// Returns the figure that is shown; none if that is the map.
+    /// Returns the figure that is shown, or `None` if that is the map.
     pub fn live(&mut self) -> Option<&mut (dyn LiveFigure + 'static)> {
         self.live[self.figure as usize].as_deref_mut()
     }
@@ -186,7 +187,7 @@ impl Lab {
         }
     }
 
-    /// Shows a figure and opens a start in it.
+    /// Shows a figure and opens it at a start.
     pub fn open(&mut self, figure: Figure, start: State<f64>) {
         self.show_figure(figure);
         if let Some(live) = self.live() {
@@ -194,7 +195,7 @@ impl Lab {
         }
     }
 
-    /// Shows a figure at the moment at which it was left.
+    /// Shows a figure at the moment at which the user left it.
     pub fn show_figure(&mut self, figure: Figure) {
         if figure != self.figure {
             self.playing = Playing::at_speed(self.playing.speed);
@@ -202,7 +203,8 @@ impl Lab {
         self.figure = figure;
     }
 
-    /// Shows the figure, with its sentence above, its controls beside it and those of time below.
+    /// Shows the figure with its sentence above, its controls beside it and the playback controls
+    /// below.
     pub fn show(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         ui.heading(self.figure.title());
         if !self.projector {

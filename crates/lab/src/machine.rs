@@ -1,4 +1,4 @@
-//! Figure 4: the whole machine, with its matrix equation live.
+//! Figure 4: the double pendulum as a machine, with its matrix equation live.
 
 use egui::{Grid, ProgressBar, Ui, vec2};
 
@@ -90,7 +90,7 @@ fn determinant(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     ui.label("It is never zero, so M can always be inverted.");
 }
 
-/// Shows kinetic and potential energy as shares of the total above hanging at rest.
+/// Shows the kinetic and potential energy as shares of the total, measured from hanging at rest.
 fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     let pendulum = simulation.pendulum();
     let (state, start) = (simulation.state, simulation.start);

@@ -1,4 +1,4 @@
-//! Pause, speed and scrubbing of a figure, the same for all of them.
+//! Pause, speed and scrubbing, which work the same for every figure.
 
 use std::time::{Duration, Instant};
 
@@ -6,27 +6,27 @@ use egui::{Slider, Ui};
 
 use super::LiveFigure;
 
-/// The course of a figure in time.
+/// The state of a figure's playback.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Playing {
-    /// True if the figure stands still.
+    /// True if the figure is paused.
     pub paused: bool,
     /// Speed in simulated seconds per second: one of [`SPEEDS`].
     pub speed: f64,
-    /// Moment that the user holds the slider at, s.
+    /// Moment in s at which the user holds the slider.
     held_at: Option<f64>,
-    /// Moment that is still to be reached by running the figure again, s.
+    /// Moment in s to reach by running the figure again.
     goal_secs: Option<f64>,
 }
 
 /// Speeds in simulated seconds per second, each with its name.
 pub(crate) const SPEEDS: [(f64, &str); 4] =
     [(0.1, "1/10"), (0.25, "1/4"), (0.5, "1/2"), (1.0, "1")];
-/// Longest piece in which a figure is run again, in s.
+/// Longest piece of time in s by which a figure is advanced when it is run again.
 const PIECE_SECS: f64 = 0.05;
-/// Time that a frame may spend on running a figure again.
+/// Longest time that a frame may spend on running a figure again.
 const SLICE: Duration = Duration::from_millis(6);
-/// Least range of the slider in s.
+/// Smallest range of the slider in s.
 const RANGE_SECS: f64 = 60.0;
 
 impl Default for Playing {
@@ -36,7 +36,7 @@ impl Default for Playing {
 }
 
 impl Playing {
-    /// Plays at a speed, in simulated seconds per second.
+    /// Creates a playback at a speed in simulated seconds per second.
     pub(crate) fn at_speed(speed: f64) -> Self {
         Playing { paused: false, speed, held_at: None, goal_secs: None }
     }
@@ -46,8 +46,8 @@ impl Playing {
         self.goal_secs.is_some() || !(self.paused || self.held_at.is_some())
     }
 
-    /// Goes to a moment of the figure: it is run again from its start in pieces, so that no frame
-    /// waits for it and the moment is the same as on the first run.
+    /// Goes to a moment of the figure by running it again from its start. It runs in pieces so that
+    /// no frame waits for it, and the moment is the same as on the first run.
     pub(crate) fn seek(&mut self, secs: f64) {
         self.goal_secs = Some(secs.max(0.0));
     }
@@ -77,7 +77,7 @@ impl Playing {
             if before < goal_secs {
                 live.advance(PIECE_SECS.min(goal_secs - before));
             }
-            // A figure that is held, or at its end, goes no further.
+            // A figure that is held or has ended does not advance.
             if live.secs() >= goal_secs || live.secs() <= before {
                 self.goal_secs = None;
                 return;
@@ -88,7 +88,7 @@ impl Playing {
         }
     }
 
-    /// Shows the controls of time for a figure.
+    /// Shows the playback controls of a figure.
     pub(super) fn bar(&mut self, ui: &mut Ui, live: &mut dyn LiveFigure, briefly: bool) {
         ui.horizontal(|ui| {
             if ui.button(if self.paused { "Play" } else { "Pause" }).clicked() {
@@ -144,7 +144,7 @@ mod tests {
             }
             let (told, again) = (once.live().unwrap().told(), sought.live().unwrap().told());
             assert_eq!(told, again, "{figure:?}");
-            // The figure moves: another moment reads otherwise.
+            // The figure must move, so another moment has another description.
             once.live().unwrap().advance(0.2);
             assert_ne!(once.live().unwrap().told(), again, "{figure:?}");
         }

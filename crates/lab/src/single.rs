@@ -10,7 +10,7 @@ use super::{FigureRequest, LiveFigure};
 use flipmap_pendulum::State;
 use flipmap_pendulum::simple::Swing;
 
-/// A live figure of one coordinate, one mass, one rod, and gravity.
+/// The live figure of a pendulum with one angle, one mass, one rod, and gravity.
 #[derive(Clone, Debug)]
 pub(super) struct Single(SinglePendulumSimulation);
 
@@ -24,7 +24,8 @@ impl Default for Single {
 const CHART_SECS: f64 = 10.0;
 
 impl Single {
-    /// Returns kinetic and potential energy of a state in J, zero where the bob hangs at rest.
+    /// Returns the kinetic and potential energy of a state in J, both zero where the bob hangs at
+    /// rest.
     fn energy(&self, swing: Swing) -> [f64; 2] {
         let (mass, simple) = (self.0.mass, self.0.simple);
         let kinetic = 0.5 * mass * (simple.length * swing.speed).powi(2);
@@ -53,7 +54,8 @@ impl Single {
         }
     }
 
-    /// Returns a chart of the speed against the angle, with the line between swinging and rotating.
+    /// Returns a chart of the speed against the angle, with the curve that separates swinging from
+    /// rotating.
     fn phase_chart(&self, tint: &Tint) -> Chart {
         let simple = self.0.simple;
         let fastest = 2.0 * (simple.gravity / simple.length).sqrt();

@@ -12,7 +12,7 @@ const STEPS_A_SEC: f64 = 480.0;
 
 /// Number of steps between two remembered states.
 const PATH_EVERY: u64 = 6;
-/// Number of remembered states, those of ten seconds.
+/// Number of remembered states, which span ten seconds.
 const PATH: usize = 801;
 
 /// A mass on a rod, released from rest.
@@ -30,7 +30,7 @@ pub(super) struct SinglePendulumSimulation {
     pub clock: Clock,
     /// Zero crossings of the angle since the release.
     pub crossings: Crossings,
-    /// Past states with their times in s, the latest last.
+    /// Past states with their times in s, in order of time.
     pub path: Vec<(f64, Swing)>,
     /// True while the user holds the bob.
     pub held: bool,
@@ -79,7 +79,7 @@ impl SinglePendulumSimulation {
         self.path.drain(..old);
     }
 
-    /// Returns the current state, between two steps.
+    /// Returns the current state, which may lie between two steps.
     pub(super) fn now(&self) -> Swing {
         self.simple.step(self.swing, self.clock.share() * self.clock.step_secs)
     }

@@ -1,4 +1,4 @@
-//! A figure as a picture, drawn by any adapter without a window.
+//! Draws a figure as a picture on any adapter, without a window.
 
 use egui::{Context, RawInput, Rect, Theme, Ui, vec2};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
@@ -8,7 +8,7 @@ use flipmap_engine::EngineError;
 use flipmap_engine::adapters::INSTALL_HINT;
 use flipmap_engine::gpu::device::{Gpu, adapters};
 
-/// A picture in RGB, in rows from the top.
+/// An RGB picture, with rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Still {
     /// Width and height in pixels.
@@ -17,7 +17,7 @@ pub struct Still {
     pub rgb: Vec<u8>,
 }
 
-/// Number of frames per second in which a figure is advanced to its time.
+/// Number of frames per second at which a figure is advanced to the requested time.
 const FRAMES_A_SEC: f64 = 60.0;
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
@@ -32,7 +32,7 @@ pub fn still(lab: &mut Lab, size: [u32; 2], secs: f64) -> Result<Still, EngineEr
     })
 }
 
-/// Draws what `show` lays out, as a picture.
+/// Draws the user interface that `show` lays out as a picture.
 pub fn draw(size: [u32; 2], mut show: impl FnMut(&mut Ui)) -> Result<Still, EngineError> {
     let adapter = adapters().into_iter().next();
     let adapter = adapter.ok_or_else(|| EngineError::Unsupported(INSTALL_HINT.to_string()))?;

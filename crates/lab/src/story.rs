@@ -1,16 +1,16 @@
-//! The story: the seven figures in the lesson's order, each with the question that it answers.
+//! The story: the seven figures in the lesson's order, each with a question and its answer.
 
 use egui::{Frame, RichText, Ui};
 
 use super::{Figure, FigureRequest};
 
-/// A card that is told beside a figure.
+/// A card that is shown beside a figure.
 struct Card {
     /// The question that the figure answers.
     question: &'static str,
     /// The answer, in paragraphs.
     answer: [&'static str; 2],
-    /// An attempt to make.
+    /// Something to try.
     attempt: &'static str,
 }
 
@@ -100,7 +100,8 @@ const CARDS: [Card; 7] = [
     },
 ];
 
-/// Shows the card of a figure; returns a request if the user goes on, back, or ends the story.
+/// Shows the card of a figure, and returns a request if the user goes on, goes back or ends the
+/// story.
 pub fn card(ui: &mut Ui, figure: Figure) -> Option<FigureRequest> {
     let Card { question, answer, attempt } = &CARDS[figure as usize];
     let mut asked = None;

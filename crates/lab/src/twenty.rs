@@ -23,7 +23,7 @@ pub(crate) struct Twenty {
     clock: Clock,
     states: Vec<State<f64>>,
     readings: Vec<Reading>,
-    /// Tolerated error of a forecast at its end, in rad.
+    /// Largest tolerated error of a forecast, in rad.
     tolerance_rad: f64,
     /// Uncertainty of a forecast's start, in rad.
     precision_rad: f64,
@@ -35,7 +35,7 @@ const STEPS_A_SEC: f64 = 480.0;
 const MOST: f64 = 500.0;
 /// Number of steps between two readings.
 const READ_EVERY: u64 = 12;
-/// Longest simulated time in seconds; nothing new happens after it.
+/// Longest simulated time in seconds; nothing new happens after that.
 const MAX_SECS: f64 = 60.0;
 
 impl Default for Twenty {
@@ -84,7 +84,7 @@ impl Twenty {
         self.readings.push(Reading { secs, energy_error: 0.0, separation_rad });
     }
 
-    /// Returns the fitted growth of the separation so far; none while it cannot be fitted.
+    /// Returns the fitted growth of the separation so far, or `None` if it cannot be fitted yet.
     pub(crate) fn growth(&self) -> Option<Growth> {
         Growth::fit(&self.readings)
     }
@@ -119,12 +119,12 @@ fn shade(k: usize, count: usize, tint: &Tint) -> Color32 {
     tint.parts[0].lerp_to_gamma(tint.parts[1], share)
 }
 
-/// Draws a pendulum of `count`: a thin line in a wide glow. On a dark canvas lights add up, so that
-/// pendulums that are together shine.
+/// Draws one of `count` pendulums as a thin line in a wide glow. On a dark canvas light adds up, so
+/// that pendulums close together shine.
 fn draw_glowing(stage: &FigureCanvas, places: [[f64; 2]; 2], colour: Color32, count: usize) {
     let [first, second] = places.map(|place| stage.at(place));
     let pivot = stage.at([0.0; 2]);
-    // Many pendulums together are as bright as some tens of them.
+    // Dimming keeps many pendulums together about as bright as a few tens of them.
     let dimming = (20.0 / count as f32).sqrt().min(1.0);
     for (width, light) in [(9.0, 0.07), (4.0, 0.16), (1.5, 0.6)] {
         let colour = match stage.tint.dark {

@@ -1,12 +1,13 @@
-//! Angles as people write them: in rad, in degrees (`-95deg`, `-95°`) or in parts of π (`0.5pi`).
+//! Angles as text: in rad, in degrees (`-95deg`, `-95°`) or in multiples of π (`0.5pi`).
 
 use flipmap_numbers::{Exact, Scalar};
 
-/// Number of digits after the point of angles that are converted: as many as [`Exact`] is read back from
-/// exactly, so that 180° is exactly the top.
+/// Number of decimals in converted angles: enough for [`Exact`] to read the same number back, so
+/// that 180° is exactly the top.
 const DIGITS: usize = 140;
 
-/// The text in rad of an angle that is given in degrees or in parts of π; any other text as it is.
+/// Converts an angle in degrees or in multiples of π to text in rad; any other text is only
+/// trimmed.
 pub fn in_rad(text: &str) -> String {
     let text = text.trim();
     let in_degrees = || {

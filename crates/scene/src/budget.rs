@@ -1,4 +1,4 @@
-//! The budget of a pixel: a number of simulated seconds, or as many as the view's depth needs.
+//! The budget of a pixel: a number of simulated seconds, fixed or chosen by the view's depth.
 
 use std::collections::VecDeque;
 use std::sync::{Mutex, PoisonError};
@@ -14,35 +14,36 @@ use flipmap_pendulum::growth::time_to_grow;
 pub struct Budget {
     /// Number of seconds.
     pub secs: f64,
-    /// True if the seconds follow the view's depth.
+    /// True if the seconds are chosen by the view's depth.
     pub auto: bool,
 }
 
-/// The least automatic budget: that of the home map (30 s), in the default pendulum's units.
+/// The least automatic budget in units of time: the home map's 30 s with the default pendulum.
 const MIN_UNITS: f64 = 93.962_758_580_194_95;
-/// Decades by which the pixels of a picture are closer together than its sides.
+/// Decades between the width of a picture and the distance of its pixels.
 const PIXEL_DECADES: f64 = 3.0;
-/// Units of time per decade of width where growth is not measured. On most filaments that views
-/// descend along, neighbours move apart by about 0.3 decades a second: ten times in 3.3 s.
+/// Units of time per decade of width, where growth is not measured. On most filaments that views
+/// descend along, the distance of neighbours grows tenfold in 3.3 s.
 const UNITS_A_DECADE: f64 = 10.44;
-/// Longest time that growth is waited for, as a multiple of [`UNITS_A_DECADE`]: in views wider than
-/// a few thousandths of a radian the middle says little about the rest.
+/// Longest time for which growth is measured, in multiples of [`UNITS_A_DECADE`] per decade. Growth
+/// is not measured in views wider than a few thousandths of a radian, whose middle says little
+/// about the rest.
 const MAX_GROWTH_WAIT: f64 = 3.0;
-/// Step of automatic budgets in units of time, so that moving a little recomputes nothing.
+/// Step of automatic budgets in units of time; it is large so that a small move recomputes nothing.
 const STEP_UNITS: f64 = 15.660_459_763_365_825;
-/// Number of settled budgets that are kept.
+/// Number of automatic budgets in the cache.
 const MAX_SETTLED_BUDGETS: usize = 64;
 
-/// The automatic budgets settled last, in s: a scene is settled many times on its way.
+/// Cache of the latest automatic budgets in s, because a scene is settled many times on its way.
 static SETTLED: Mutex<VecDeque<(PendulumSpec, View, f64)>> = Mutex::new(VecDeque::new());
 
 impl Budget {
-    /// A fixed budget of `secs` seconds.
+    /// Returns a fixed budget of `secs` seconds.
     pub const fn secs(secs: f64) -> Self {
         Budget { secs, auto: false }
     }
 
-    /// The same budget with a first guess of its seconds if it is automatic, from the width alone.
+    /// Returns the budget, with seconds guessed from the view's width alone if it is automatic.
     pub fn guessed(self, build: &PendulumSpec, view: &View) -> Self {
         let secs = if self.auto {
             in_steps(build, expected_units(view.width_rad().to_f64()))
@@ -52,11 +53,11 @@ impl Budget {
         Budget { secs, ..self }
     }
 
-    /// The same budget, fitted to a checked view if it is automatic: the time after which the
-    /// pendulums of neighbouring pixels in its middle are a full turn apart, and at least that of
-    /// the home map. Later flips are noise from pixel to pixel.
+    /// Returns the budget, computed for a checked view if it is automatic: the time after which the
+    /// pendulums of neighbouring pixels in the view's middle are a full turn apart, but at least
+    /// that of the home map. Later flips are noise from pixel to pixel.
     ///
-    /// Each decade of depth takes a few milliseconds, and more at great depths.
+    /// The computation takes a few milliseconds per decade of depth, and more at great depths.
     pub fn for_view(self, build: &PendulumSpec, view: &View) -> Self {
         if !self.auto {
             return self;
@@ -71,9 +72,9 @@ impl Budget {
         Budget { secs, auto: true }
     }
 
-    /// The budget in s of a view on the way between two with automatic budgets, as though neighbours
-    /// moved apart at one rate all along the way to the deeper one. None if they are not automatic, or
-    /// if the deeper one has the shorter budget.
+    /// Returns the budget in s of a view between two views with automatic budgets, as though
+    /// neighbours moved apart at a constant rate down to the deeper one. Returns `None` if a budget
+    /// is not automatic, or if the deeper view has the shorter one.
     pub(crate) fn on_the_way(ends: [(Budget, &View); 2], view: &View) -> Option<f64> {
         let needed = |view: &View| decades(view.width_rad().to_f64()) + PIXEL_DECADES;
         let [a, b] = ends.map(|(budget, view)| (needed(view), budget.secs));
@@ -83,14 +84,14 @@ impl Budget {
     }
 }
 
-/// The automatic budget of a view, in s, if it has been settled lately.
+/// Returns the automatic budget of a view in s, if it is in the cache.
 fn known(build: &PendulumSpec, view: &View) -> Option<f64> {
     let settled = SETTLED.lock().unwrap_or_else(PoisonError::into_inner);
     let same = |(other, seen, _): &&(PendulumSpec, View, f64)| other == build && seen == view;
     settled.iter().find(same).map(|(.., secs)| *secs)
 }
 
-/// The automatic budget of a view, in s.
+/// Computes the automatic budget of a view in s.
 fn settle(build: &PendulumSpec, view: &View) -> f64 {
     let width = view.width_rad().to_f64();
     let most = MAX_GROWTH_WAIT * UNITS_A_DECADE * decades(width);
@@ -98,12 +99,12 @@ fn settle(build: &PendulumSpec, view: &View) -> f64 {
         let (pendulum, _) = build.reduced_in();
         time_to_grow(&pendulum, view.center_rad(), decades(width) + PIXEL_DECADES, most)
     };
-    // What happens within the least budget decides nothing.
+    // Growth within the least budget would not change the result.
     let units = (most > MIN_UNITS).then(grown).flatten();
     in_steps(build, units.unwrap_or(expected_units(width)))
 }
 
-/// Decades of depth of a view `width` (rad) across.
+/// Returns the depth in decades of a view `width` rad across.
 fn decades(width: f64) -> f64 {
     (std::f64::consts::TAU / width).log10()
 }
@@ -112,10 +113,11 @@ fn expected_units(width: f64) -> f64 {
     (UNITS_A_DECADE * decades(width)).max(MIN_UNITS)
 }
 
-/// The budget in s that lasts `units` units of time, at least that of the home map.
+/// Returns a budget in s of at least `units` units of time, rounded up to a whole step and not
+/// below that of the home map.
 fn in_steps(build: &PendulumSpec, units: f64) -> f64 {
     let steps = (units.max(MIN_UNITS) / STEP_UNITS).ceil();
-    // Whole seconds for the default pendulum.
+    // Rounded to 0.01 s, which leaves whole seconds for the default pendulum.
     (steps * STEP_UNITS * build.unit_secs() * 100.0).round() / 100.0
 }
 
@@ -125,7 +127,7 @@ impl Default for Budget {
     }
 }
 
-/// The form in files, locations and options: the number of seconds, or `auto`.
+/// Writes the number of seconds or `auto`, as in files, locations and options.
 impl std::fmt::Display for Budget {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.auto { f.write_str("auto") } else { self.secs.fmt(f) }
@@ -194,7 +196,7 @@ mod tests {
         assert_eq!([secs(fast, "6"), secs(fast, "1e-3"), secs(fast, "1e-20")], [30.0, 30.0, 60.0]);
         // Growth in the middle of a wide view says nothing about its rim.
         assert_eq!(secs(["2.5", "1"], "0.01"), 30.0);
-        // Nothing grows in small swings, so the width decides.
+        // Nudges do not grow in small swings, so the width decides.
         let slow = ["0.1", "0.1"];
         assert_eq!(secs(slow, "1e-20"), 70.0);
         let moon = PendulumSpec { gravity: (9.81 / 4.0).into(), ..PendulumSpec::default() };

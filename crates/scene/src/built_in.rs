@@ -1,4 +1,4 @@
-//! The built-in scenes: places worth seeing, each described by one sentence, the first line of its
+//! The built-in scenes: places worth seeing, each described by a sentence in the first line of its
 //! file.
 
 use flipmap_assets::SCENES;
@@ -13,7 +13,8 @@ pub struct BuiltIn {
     text: &'static str,
 }
 
-/// All built-in scenes as they are shown: from the whole map inwards, then the others.
+/// All built-in scenes in the order in which they are shown: from the whole map inwards, then the
+/// others.
 pub const BUILT_IN: [BuiltIn; SCENES.len()] = {
     let mut all = [BuiltIn { name: "", text: "" }; SCENES.len()];
     let mut k = 0;
@@ -24,7 +25,7 @@ pub const BUILT_IN: [BuiltIn; SCENES.len()] = {
     all
 };
 
-/// Likeness (Jaro and Winkler's) from which on a name is taken for a mistyped one.
+/// Jaro–Winkler similarity above which a name counts as a mistyped name of a scene.
 const MIN_LIKENESS: f64 = 0.8;
 
 impl BuiltIn {
@@ -33,29 +34,29 @@ impl BuiltIn {
         BUILT_IN.into_iter().find(|scene| scene.name == name)
     }
 
-    /// The scene that is shown where none is named.
+    /// Returns the scene that is shown if none is named.
     pub fn home() -> Self {
         BUILT_IN[0]
     }
 
-    /// The scene whose name is most like a mistyped one, if any is.
+    /// Returns the scene whose name is most similar to a mistyped one, if any is similar enough.
     pub fn like(name: &str) -> Option<Self> {
         let likeness = |scene: &BuiltIn| strsim::jaro_winkler(scene.name, &name.to_lowercase());
         let all = BUILT_IN.into_iter().filter(|scene| likeness(scene) > MIN_LIKENESS);
         all.max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
     }
 
-    /// The names of all built-in scenes, separated by commas.
+    /// Returns the names of all built-in scenes, separated by commas.
     pub fn names() -> String {
         BUILT_IN.map(|scene| scene.name).join(", ")
     }
 
-    /// The sentence that says what there is to see.
+    /// Returns the sentence that says what there is to see.
     pub fn sentence(&self) -> &'static str {
         self.text.lines().next().unwrap_or_default().trim_start_matches("# ")
     }
 
-    /// The scene, parsed.
+    /// Parses the scene.
     pub fn document(&self) -> Document {
         Document::parse(self.text).expect("a test reads every built-in scene")
     }

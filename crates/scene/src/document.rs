@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::exact_length::exactly_if_given;
 use super::{PendulumSpec, PictureTable, Plane, QuestionSettings, Scene, SceneError, View};
 
-/// The newest file format that this program reads, and the one that it writes.
+/// Newest file format that this program reads, which is also the one that it writes.
 pub(super) const FORMAT: u32 = 1;
 
 /// A scene file. The tables after the view never change what is computed.
@@ -25,18 +25,18 @@ pub struct Document {
     pub view: View,
     /// Settings with which the picture is painted.
     pub picture: PictureTable,
-    /// Settings with which it was computed.
+    /// Settings with which the picture was computed.
     pub run: RunTable,
 }
 
-/// Settings of a picture's computation: a record, and the defaults when it is opened again.
+/// Settings of a picture's computation, which are the defaults when the picture is opened again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RunTable {
     /// Width and height in pixels.
     #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "exactly_if_given")]
     pub size: Option<[u32; 2]>,
-    /// Name of the accuracy level, where no method is given.
+    /// Name of the accuracy level, if no method is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<String>,
     /// Name of the method.
@@ -57,8 +57,9 @@ pub struct RunTable {
 }
 
 impl RunTable {
-    /// Returns this table from a scene's file, overridden by the settings in `said`: a level replaces
-    /// any method, and another method replaces the step or tolerance. The size is that of `said`.
+    /// Returns the file's table overridden by the settings in `said`. An accuracy level in `said`
+    /// replaces this whole table, and a different method discards the old step and tolerance. The
+    /// size always comes from `said`.
     #[must_use]
     pub fn overlaid(&self, said: RunTable) -> RunTable {
         let kept = if said.accuracy.is_some() { RunTable::default() } else { self.clone() };
@@ -102,7 +103,7 @@ impl Default for Document {
 /// Reasons why a text is not a valid scene.
 #[derive(Debug, thiserror::Error)]
 pub enum DocumentError {
-    /// A text that is not the TOML of a scene; the message says where and why.
+    /// A text that is not a scene in TOML; the message says where and why.
     #[error("{0}")]
     Syntax(String),
     /// A file written by a newer program.
@@ -116,7 +117,7 @@ pub enum DocumentError {
     Scene(#[from] SceneError),
 }
 
-/// The version alone, read first so that a newer file is reported as newer and not as wrong.
+/// The file's version, read first so that a newer file is reported as newer and not as wrong.
 #[derive(Deserialize)]
 struct Version {
     format: Option<toml::Value>,
@@ -131,8 +132,7 @@ impl Document {
         document.checked()
     }
 
-    /// Checks every number of the scene and of its picture, and guesses a budget that follows the
-    /// depth.
+    /// Checks every number of the scene and of its picture, and guesses an automatic budget.
     pub fn checked(mut self) -> Result<Self, DocumentError> {
         self.question = self.scene().checked()?.question;
         self.picture.check()?;
@@ -140,7 +140,7 @@ impl Document {
         Ok(self)
     }
 
-    /// The checked document with its automatic budget; see [`Scene::settled`].
+    /// Computes the automatic budget of a checked document; see [`Scene::settled`].
     #[must_use]
     pub fn settled(mut self) -> Self {
         self.question = self.scene().settled().question;
@@ -153,12 +153,12 @@ impl Document {
         Ok(self.picture.check()?)
     }
 
-    /// The document as TOML.
+    /// Returns the document as TOML.
     pub fn text(&self) -> String {
         toml::to_string(self).expect("plain tables are TOML")
     }
 
-    /// The scene: what to compute.
+    /// Returns the scene to compute.
     pub fn scene(&self) -> Scene {
         Scene {
             build: self.pendulum,
@@ -168,14 +168,14 @@ impl Document {
         }
     }
 
-    /// Returns this document with another scene, and with the same picture and run tables.
+    /// Replaces the scene, and keeps the picture and run tables.
     pub fn with_scene(self, scene: Scene) -> Self {
         let Scene { build, question, view, plane } = scene;
         Document { pendulum: build, question, view, plane, ..self }
     }
 }
 
-/// Refuses the file of a newer program, before its newer keys are reported as unknown.
+/// Refuses a file in a newer format before its new keys are reported as unknown.
 pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
     let Ok(Version { format: Some(found) }) = toml::from_str(text) else { return Ok(()) };
     if found.as_integer().is_some_and(|found| (1..=i64::from(FORMAT)).contains(&found)) {
@@ -184,8 +184,8 @@ pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
     Err(DocumentError::Future { found: found.to_string() })
 }
 
-/// A TOML error as one sentence, with its line and column. Keys and values of the file are in plain
-/// quotes: words in backquotes are settings, which the command line calls by its options.
+/// Formats a TOML error as one sentence with its line and column. Keys and values of the file get
+/// plain quotes, because the command line turns words in backquotes into the names of its options.
 pub fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = error.message().replace('\n', ", ").replace('`', "'");
     let Some(span) = error.span() else {

@@ -1,10 +1,9 @@
-//! Arrays in files that have exactly as many values as they should: the TOML reader itself ignores
-//! what follows.
+//! Arrays of an exact length in files; the TOML reader itself ignores surplus values.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 
-/// Reads an array; refuses one that is longer or shorter.
+/// Reads an array of `N` values, and refuses a longer or shorter one.
 pub(super) fn exactly<'de, D: Deserializer<'de>, T: Deserialize<'de>, const N: usize>(
     from: D,
 ) -> Result<[T; N], D::Error> {
@@ -13,7 +12,7 @@ pub(super) fn exactly<'de, D: Deserializer<'de>, T: Deserialize<'de>, const N: u
     found.try_into().map_err(|_| D::Error::custom(format!("it has {count} values, not {N}")))
 }
 
-/// Reads an array that may be left out.
+/// Reads an array of `N` values that may be left out.
 pub(super) fn exactly_if_given<'de, D: Deserializer<'de>, T: Deserialize<'de>, const N: usize>(
     from: D,
 ) -> Result<Option<[T; N]>, D::Error> {

@@ -1,7 +1,7 @@
 //! Planes of starts in exact numbers, and neighbourhoods of their points as polynomials.
 //!
-//! The lattice is a square from −π to π. It covers a plane that is no torus enlarged by a power of
-//! two, in the units of the plane's axes ([`Plane::lattice_doublings`]).
+//! The lattice is a square from −π to π. To cover a plane that is not a torus, it is enlarged by a
+//! power of two, in the units of the plane's axes ([`Plane::lattice_doublings`]).
 
 use super::lattice::{Cell, side_rad};
 use super::plane::{omega2_beside, speeds_on_section, square_of_omega1};
@@ -13,14 +13,14 @@ use flipmap_pendulum::{Pendulum, Rule, State};
 /// A plane of starts in exact numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExactPlane {
-    /// Index of the quantities across and up among θ1, θ2, ω1 and ω2; on a section, p2 takes the
+    /// Indices of the quantities across and up among θ1, θ2, ω1 and ω2; on a section, p2 takes the
     /// place of ω2.
     places: [usize; 2],
-    /// The quantities that do not vary, rad and rad/s.
+    /// The quantities that do not vary, in rad and rad/s.
     origin: [Exact; 4],
     /// Number of doublings of the lattice.
     doublings: u32,
-    /// The energy from which both speeds follow, if it is a section.
+    /// The energy that determines both speeds, if the plane is a section.
     section: Option<Section>,
 }
 
@@ -36,7 +36,7 @@ impl ExactPlane {
     pub const AT_REST: ExactPlane =
         ExactPlane { places: [0, 1], origin: [Exact::ZERO; 4], doublings: 0, section: None };
 
-    /// The exact plane of a checked one.
+    /// Returns a checked plane in exact numbers.
     pub(crate) fn new(plane: &Plane, build: &PendulumSpec) -> Self {
         let axes = plane.axes();
         let section = axes.contains(&Axis::Momentum2).then(|| Section {
@@ -51,53 +51,53 @@ impl ExactPlane {
         ExactPlane { places: axes.map(Axis::place), origin, doublings, section }
     }
 
-    /// Returns true if every position has a start, whose quantities change evenly from place to
-    /// place.
+    /// Returns true if every position has a start and the start's quantities are linear in the
+    /// position.
     pub(crate) fn is_flat(&self) -> bool {
         self.section.is_none()
     }
 
-    /// Returns true if the energy that all starts of a section share forbids every flip; none if it is
-    /// no section.
+    /// Returns `Some(true)` if the energy shared by all starts of a section forbids every flip, and
+    /// `None` if the plane is not a section.
     pub fn forbids_section(&self, rule: Rule) -> Option<bool> {
         let Section { energy, pendulum } = &self.section?;
         Some(pendulum.forbids_depth(rule, -*energy))
     }
 
-    /// Returns true if its starts are at rest.
+    /// Returns true if the plane's starts are at rest.
     pub fn is_at_rest(&self) -> bool {
         let is_still =
             |place: usize| !self.places.contains(&place) && self.origin[place] == Exact::ZERO;
         self.is_flat() && is_still(2) && is_still(3)
     }
 
-    /// Returns true if the lattice reaches all positions up to `half` from a centre along each axis,
-    /// in the units of the axes. Angles repeat in it.
+    /// Returns true if the lattice reaches all positions up to `half` from a centre along each
+    /// axis, in the units of the axes. Angles repeat, so all of them are reached.
     pub(crate) fn reaches(&self, center: [f64; 2], half: [f64; 2]) -> bool {
         let most = self.half_side(0);
         (0..2).all(|i| self.places[i] < 2 || center[i].abs() + half[i] < most)
     }
 
-    /// A position in the units of the axes as one in the lattice.
+    /// Converts a position from the units of the axes to those of the lattice.
     pub fn to_lattice(&self, at: [Exact; 2]) -> [Exact; 2] {
         at.map(|x| x.halved(self.doublings))
     }
 
-    /// Half the side of a level's cells in the units of the axes.
+    /// Returns half the side of a level's cells in the units of the axes.
     pub fn half_side(&self, level: u32) -> f64 {
         side_rad(level + 1) * 2f64.powi(self.doublings as i32)
     }
 
-    /// The start at a point of a cell, in [−1, 1]²; angles in (−π, π] rad, speeds in rad/s. None
-    /// where a section has no real solution.
+    /// Returns the start at a point of a cell, in [−1, 1]²: angles in (−π, π] rad, speeds in rad/s.
+    /// Returns `None` where a section has no real solution.
     pub fn start(&self, cell: &Cell, at: [f64; 2]) -> Option<State<Exact>> {
         let half = Exact::from_f64(self.half_side(cell.level));
         let center = cell.center().map(|middle| middle.doubled(self.doublings));
         self.start_at([0, 1].map(|i| center[i] + Exact::from_f64(at[i]) * half))
     }
 
-    /// The start at a position in the units of the axes; angles in (−π, π] rad, speeds in rad/s. None
-    /// where a section has no real solution.
+    /// Returns the start at a position in the units of the axes: angles in (−π, π] rad, speeds in
+    /// rad/s. Returns `None` where a section has no real solution.
     pub(crate) fn start_at(&self, position: [Exact; 2]) -> Option<State<Exact>> {
         let mut start = self.origin;
         for (place, value) in self.places.into_iter().zip(position) {
@@ -114,8 +114,8 @@ impl ExactPlane {
         Some(State { angle, speed })
     }
 
-    /// The differences of a cell's starts from its middle: both angles in rad, both speeds in rad/s.
-    /// None where a section's cell has starts without a real solution.
+    /// Returns the differences of a cell's starts from its middle: both angles in rad, both speeds
+    /// in rad/s. Returns `None` where a section's cell has starts without a real solution.
     pub fn differences(&self, cell: &Cell) -> Option<[Jet; 4]> {
         let mut jets = [Jet::constant(0.0); 4];
         for (i, place) in self.places.into_iter().enumerate() {
@@ -124,7 +124,7 @@ impl ExactPlane {
         let Some(Section { energy, pendulum }) = &self.section else { return Some(jets) };
         let [theta2, p2] = cell.center().map(|middle| middle.doubled(self.doublings));
         let direction = theta2.wrapped().sin_cos();
-        // Near the section's end nearly all of it cancels.
+        // Near the section's edge its terms nearly cancel, so the middle is computed exactly.
         let middle = square_of_omega1(pendulum, *energy, direction, p2).to_f64();
         let (sin, cos) = direction;
         let direction = Jet::sin_cos_around((sin.to_f64(), cos.to_f64()), jets[1]);

@@ -1,8 +1,8 @@
 //! A film: the camera's path through its keys, and the frames along it.
 //!
 //! Between two keys the width changes by equal ratios in equal times, and the centre moves so that
-//! one point of the plane stays where it is on the screen: a zoom has one visible speed however
-//! deep it goes. The stretch changes by equal ratios too, everything else linearly.
+//! one point of the plane stays where it is on the screen: a zoom has the same visible speed at
+//! every depth. The stretch also changes by equal ratios, and everything else linearly.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,7 @@ use super::keys::Key;
 use super::{Axis, Budget, PendulumSpec, Plane, QuestionSettings, Scene, SceneError, View};
 use flipmap_numbers::{Decimal, Exact, Scalar};
 
-/// Frames of one size along a path of keys.
+/// A film: frames of one size along a path of keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Film {
@@ -30,20 +30,21 @@ pub struct Film {
 /// The way in which the frames of a film are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilmKind {
-    /// Painted from samples of first flips from rest, which are computed once for all frames.
+    /// Frames painted from samples of first flips from rest, which are computed once for all
+    /// frames.
     Flips,
-    /// Answers of one view as its time goes on: every trajectory is computed once.
+    /// Answers of one view at later and later times: every trajectory is computed once.
     Moments,
-    /// Each frame is a still of its own.
+    /// Frames that are each computed as a still.
     Stills,
 }
 
 /// The content of one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shot {
-    /// The scene, with the budget of that moment.
+    /// The scene, with the budget at that moment.
     pub scene: Scene,
-    /// Simulated seconds that have passed, if the film has a clock: what flips later is still dark.
+    /// Simulated seconds that have passed, if the film has a clock; later flips are still dark.
     pub clock_secs: Option<f64>,
 }
 
@@ -53,10 +54,10 @@ pub enum FilmError {
     /// Too few keys: the camera has nowhere to go.
     #[error("a film needs two keys or more, and this one has {0}")]
     Few(usize),
-    /// A question or a plane that films do not know.
+    /// A setting that films do not support.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A change of something that cannot change gradually.
+    /// A change of a property that cannot change gradually.
     #[error("key {number} has another {what} than the first; in a film it stays the same")]
     Jumps {
         /// Number of the key, from 1.
@@ -64,7 +65,7 @@ pub enum FilmError {
         /// The property that differs.
         what: &'static str,
     },
-    /// A clock in a film of other answers than flip times.
+    /// A clock in a film that does not show first flips from rest.
     #[error(
         "key {number} has a clock, which lights up first flips from rest; other answers change with \
          `vary` at, budget, energy, friction, gravity, masses or lengths"
@@ -78,9 +79,9 @@ pub enum FilmError {
     Clock {
         /// Number of the key, from 1.
         number: usize,
-        /// The word for this key: `has` or `lacks`.
+        /// Verb for this key: `has` or `lacks`.
         has: &'static str,
-        /// The word for the first key.
+        /// Verb for the first key: `has` or `lacks`.
         first: &'static str,
     },
     /// A frame with more samples than fit in memory while the film is planned.
@@ -112,10 +113,11 @@ pub enum FilmError {
 const MAX_SAMPLES: u64 = 500_000_000;
 
 impl Film {
-    /// Largest number of frames: those of nearly an hour. More take too long to plan.
+    /// Largest number of frames: nearly an hour at 30 frames per second. More take too long to
+    /// plan.
     pub const MAX_FRAMES: u32 = 100_000;
 
-    /// Refuses keys that do not make a film; each key has been checked by itself before.
+    /// Refuses keys that do not make a film. Each key must have been checked by itself before.
     pub fn check(&self) -> Result<(), FilmError> {
         let range = |setting, value: f64, least: f64, most: f64| {
             let fine = (least..=most).contains(&value);
@@ -158,7 +160,7 @@ impl Film {
         Ok(())
     }
 
-    /// The way in which its frames are made.
+    /// Returns the way in which the film's frames are made.
     pub fn kind(&self) -> FilmKind {
         let scenes: Vec<Scene> = self.keys.iter().map(|key| key.scene.scene()).collect();
         let goes_on = |pair: &[Scene]| {
@@ -178,30 +180,30 @@ impl Film {
         }
     }
 
-    /// The largest budget of the film, in s.
+    /// Returns the largest budget of the film, in s.
     pub fn budget_secs(&self) -> f64 {
         self.keys.iter().map(|key| key.scene.question.budget.secs).fold(0.0, f64::max)
     }
 
-    /// The time in s until which a shot shows flips: its own budget if the camera stays, and otherwise
-    /// all that samples have, so that every frame shows a place alike.
+    /// Returns the time in s until which a shot shows flips: its own budget if the camera stays,
+    /// and otherwise the film's largest budget, so that a place looks the same in every frame.
     pub fn shown_secs(&self, shot: &Shot) -> f64 {
         if self.stays() { shot.scene.question.budget.secs } else { self.budget_secs() }
     }
 
-    /// True if all keys have one view.
+    /// Returns true if all keys have the same view.
     fn stays(&self) -> bool {
         self.keys.iter().all(|key| key.scene.view == self.keys[0].scene.view)
     }
 
-    /// The content of frame `frame`, counted from 0.
+    /// Returns the content of frame `frame`, counted from 0.
     pub fn shot(&self, frame: u32) -> Shot {
         let [first, last] = [&self.keys[0], &self.keys[self.keys.len() - 1]];
         let share = f64::from(frame) / f64::from((self.frames - 1).max(1));
         self.shot_at(first.secs + (last.secs - first.secs) * share.min(1.0))
     }
 
-    /// The content at time `secs` of the keys, in s.
+    /// Returns the content of the film at `secs` in s, measured as in the keys.
     pub fn shot_at(&self, secs: f64) -> Shot {
         let next = self.keys.partition_point(|key| key.secs <= secs);
         let next = next.clamp(1, self.keys.len() - 1);
@@ -210,7 +212,7 @@ impl Film {
         self.between(from, to, to.easing.share(time))
     }
 
-    /// The content after `share` of the way from one key to the next.
+    /// Returns the content after `share` of the way from one key to the next.
     fn between(&self, from: &Key, to: &Key, share: f64) -> Shot {
         let [a, b] = [from.scene.scene(), to.scene.scene()];
         let mix = |a: f64, b: f64| if a == b { a } else { a + (b - a) * share };
@@ -238,7 +240,7 @@ impl Film {
     }
 }
 
-/// The view after `share` of the way from `a` to `b`, on axes that wrap around or not.
+/// Returns the view after `share` of the way from `a` to `b`; `wraps` tells which axes wrap around.
 fn between_views(a: &View, b: &View, share: f64, wraps: [bool; 2]) -> View {
     if share == 0.0 || a == b {
         return a.clone();
@@ -265,8 +267,8 @@ fn between_views(a: &View, b: &View, share: f64, wraps: [bool; 2]) -> View {
     }
 }
 
-/// The width after `share` of a zoom, and the share of the way that the centre still has to go.
-/// That share shrinks as the width does, which keeps one point of the plane in its place.
+/// Returns the width after `share` of a zoom, and the share of the way that the centre still has to
+/// go. That share shrinks as the width does, which keeps one point of the plane in its place.
 fn zoomed(from: f64, to: f64, share: f64) -> (f64, f64) {
     let ratio = (from / to).ln();
     let width = to * (ratio * (1.0 - share)).exp();
@@ -373,7 +375,7 @@ mod tests {
             assert_eq!((budget(0), budget(10)), (wide, deep));
             assert!(budget(5) <= 0.5 * (wide + deep), "{}", budget(5));
         }
-        // A pendulum that changes under a camera that stays.
+        // The pendulum changes while the camera stays.
         let mut film = zoom("1e-9");
         film.keys[0].scene.view = film.keys[1].scene.view.clone();
         for (key, secs) in film.keys.iter_mut().zip([75.0, 35.0]) {

@@ -1,4 +1,4 @@
-//! The starts of a picture's pixels, and what is known of them before anything is computed.
+//! The starts of a picture's pixels, and the outcomes that are known before any computation.
 
 mod fate;
 
@@ -10,7 +10,7 @@ use flipmap_numbers::{Angle, Dd, Exact, Scalar};
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::{Launch, Pendulum, Rule, State};
 
-/// The starts of a picture of a scene.
+/// The starts of all pixels in a picture of a scene.
 #[derive(Clone, Debug)]
 pub struct Grid {
     size: [u32; 2],
@@ -29,15 +29,16 @@ pub struct Grid {
     exact: Pendulum<Dd>,
     /// The pendulum in reduced units, and its unit of time in s.
     reduced: (Pendulum<Exact>, Exact),
-    /// True if the energy that all starts of a section share forbids every flip; none on other planes.
+    /// `Some(true)` if the energy shared by all starts of a section forbids every flip; `None` on
+    /// other planes.
     forbids_section: Option<bool>,
     rule: Rule,
     opening: Opening,
     budget_secs: f64,
 }
 
-/// The angle at an offset from π. Opposite offsets have exactly opposite angles; at π itself, which
-/// is its own opposite, the other coordinate's offset decides the sign.
+/// Returns the angle at an offset `by` from π. Opposite offsets have exactly opposite angles; at π
+/// itself, the other coordinate's offset decides the sign.
 fn beside_pi(by: Dd, other: Dd) -> Dd {
     let zero = Dd::new(0.0);
     if by > zero || by == zero && other < zero {
@@ -48,20 +49,20 @@ fn beside_pi(by: Dd, other: Dd) -> Dd {
     if angle >= -Dd::PI { angle } else { angle.wrapped() }
 }
 
-/// Depth beyond which the sign of the energy in f64 is sure, as a share of P + Q.
+/// Depth beyond which the sign of the energy in f64 is certain, as a share of P + Q.
 pub(super) const SURE: f64 = 1e-12;
 /// Depth below which the energy is computed in double-double, as a share of P + Q.
 const NEAR: f64 = 1e-9;
-/// Depth beyond which the sign of the energy in double-double is sure, as a share of P + Q.
+/// Depth beyond which the sign of the energy in double-double is certain, as a share of P + Q.
 const SURE_IN_DD: f64 = 1e-28;
 
 impl Grid {
-    /// The grid of a checked scene for a picture of `size` pixels.
+    /// Returns the grid of a checked scene for a picture of `size` pixels.
     pub fn new(scene: &Scene, size: [u32; 2]) -> Self {
         Grid::sampled(scene, size, Sampling::SINGLE)
     }
 
-    /// The grid of these samples of a picture of `size` pixels.
+    /// Returns the grid of samples for a picture of `size` pixels.
     pub fn sampled(scene: &Scene, size: [u32; 2], sampling: Sampling) -> Self {
         let along = f64::from(sampling.along()) * f64::from(size[0]);
         let pixel = scene.view.width_rad() / Dd::new(along);
@@ -70,14 +71,15 @@ impl Grid {
         Grid::spanned(scene, scene.view.center_rad(), right, up, size)
     }
 
-    /// The grid of `size` pixels, each `pixel` rad square, upright whatever the scene's view.
+    /// Returns an upright grid of `size` square pixels with sides of `pixel` rad, ignoring the
+    /// scene's view.
     pub fn square(scene: &Scene, center: [Exact; 2], pixel: Dd, size: [u32; 2]) -> Self {
         let zero = Dd::new(0.0);
         Grid::spanned(scene, center, [pixel, zero], [zero, pixel], size)
     }
 
-    /// Change of (θ1, θ2) per pixel to the right and per pixel upwards, as the scene's view is
-    /// turned and stretched.
+    /// Returns the change of (θ1, θ2) per pixel to the right and per pixel upwards, given the
+    /// scene's rotation and stretch.
     fn axes(scene: &Scene, pixel: Dd) -> ([Dd; 2], [Dd; 2]) {
         let tall = pixel / Dd::new(scene.view.stretch);
         let zero = Dd::new(0.0);
@@ -134,7 +136,7 @@ impl Grid {
         [self.right, self.up]
     }
 
-    /// True if all starts are at rest.
+    /// Returns true if all starts are at rest.
     pub(super) fn starts_at_rest(&self) -> bool {
         self.plane.is_at_rest
     }
@@ -149,20 +151,20 @@ impl Grid {
         self.rule
     }
 
-    /// Distance of a bob from the top within which its first moments may decide, if it is released from
-    /// rest, rad.
+    /// Returns the distance from the top in rad within which the first moments of a start from rest
+    /// may have to be computed separately.
     pub(super) fn opening_rad(&self) -> f64 {
         self.opening.rest_near_rad()
     }
 
-    /// The same pixels in the leaves of another, finer grid, so that both are followed along the
-    /// same references.
+    /// Returns the same pixels, to be grouped by the leaves of another, finer grid, so that both
+    /// grids follow the same references.
     pub fn in_leaves_of(self, other: &Grid) -> Self {
         Grid { spots: self.spots.in_leaves_of(&other.spots), ..self }
     }
 
-    /// Groups some pixels by the leaves in which they lie, each with about `leaf_pixels` along a side;
-    /// each comes with its place among all.
+    /// Groups pixels by leaf, with about `leaf_pixels` pixels along a leaf's side. Each pixel is
+    /// given with its index among all.
     pub fn grouped(
         &self,
         leaf_pixels: u32,
@@ -176,14 +178,15 @@ impl Grid {
         [self.right, self.up].map(|by| by.map(|part| part.hi))
     }
 
-    /// A bound on the change of either angle over one pixel to the right and one upwards, rad.
+    /// Returns a bound on the change of either angle over one pixel to the right and one upwards,
+    /// in rad.
     pub fn pixel_rad(&self) -> f64 {
         let [right, up] = [self.right, self.up].map(|by| by[0].hi.hypot(by[1].hi));
         right + up
     }
 
-    /// The coordinates of pixel (`column`, `row`), row 0 at the top, in the units of the plane's
-    /// axes; angles lie in [−π, π].
+    /// Returns the coordinates of pixel (`column`, `row`), row 0 at the top, in the units of the
+    /// plane's axes. Angles lie in [−π, π].
     pub fn angle_from_pixel(&self, column: u32, row: u32) -> [Dd; 2] {
         let [x, y] = self.pixels_from_center(column, row).map(Dd::new);
         let wraps = self.plane.axes.map(Axis::wraps);
@@ -195,8 +198,8 @@ impl Grid {
         })
     }
 
-    /// The start of a pixel to all digits: angles in (−π, π] rad, speeds in rad/s; none where a section
-    /// has no real solution.
+    /// Returns the exact start of a pixel, with angles in (−π, π] rad and speeds in rad/s, or
+    /// `None` where a section has no real solution.
     pub fn exact_start(&self, column: u32, row: u32) -> Option<State<Exact>> {
         let [x, y] = self.pixels_from_center(column, row).map(Exact::from_f64);
         let along = |by: [Dd; 2]| by.map(Exact::from_dd);
@@ -205,14 +208,14 @@ impl Grid {
         self.exact_plane.start_at(position)
     }
 
-    /// Offset of a pixel's middle from the centre, to the right and upwards, in pixels.
+    /// Returns the offset of a pixel's middle from the centre, to the right and upwards, in pixels.
     fn pixels_from_center(&self, column: u32, row: u32) -> [f64; 2] {
         let [width, height] = self.size.map(f64::from);
         [f64::from(column) + 0.5 - width / 2.0, height / 2.0 - f64::from(row) - 0.5]
     }
 
-    /// Distance from the middle of a pixel to the energy curve in pixels, to first order: the
-    /// energy's depth there over its slope. Large where the energy is flat.
+    /// Returns the distance from the middle of a pixel to the energy curve in pixels, to first
+    /// order: the energy's depth divided by its slope. It is large where the energy is flat.
     pub fn pixels_from_curve(&self, column: u32, row: u32) -> f64 {
         if !self.has_curve() {
             return f64::INFINITY;
@@ -235,14 +238,14 @@ impl Grid {
             return true;
         }
         let Pendulum { p, q, .. } = self.pendulum;
-        // The most by which the depth changes from one pixel to the next.
+        // Largest change of the depth from one pixel to the next.
         let most = |by: [Dd; 2]| p.abs() * by[0].hi.abs() + q.abs() * by[1].hi.abs();
         let (right, up) = (most(self.right), most(self.up));
         let [x, y] = [0, 1].map(|i| origin[i] + size[i] / 2);
         let middle = self.angle_from_pixel(x, y).map(|theta| theta.hi);
         let half = size.map(|side| f64::from(side / 2));
         let reach = half[0] * right + half[1] * up + pixels * right.hypot(up);
-        // All pixels beyond this depth are measured in f64.
+        // The margin leaves every pixel of the block at a depth that f64 resolves.
         self.energy_depth(middle).abs() > reach + 2.0 * NEAR * (p.abs() + q.abs())
     }
 
@@ -251,8 +254,8 @@ impl Grid {
         self.plane.is_at_rest && self.rule != Rule::Neither
     }
 
-    /// Depth of a start in the forbidden region: P cos θ1 + Q cos θ2 less its bound, J. Zero on the
-    /// energy curve.
+    /// Returns the depth of a start in the forbidden region in J: P cos θ1 + Q cos θ2 minus its
+    /// bound, which is zero on the energy curve.
     fn energy_depth(&self, angle: [f64; 2]) -> f64 {
         self.pendulum.depth(angle.map(f64::cos)) - self.pendulum.least_depth(self.rule)
     }
@@ -262,7 +265,8 @@ impl Grid {
         self.exact.depth(cos) - self.exact.least_depth(self.rule)
     }
 
-    /// The start of a pixel in double-double; none where a section has no real solution.
+    /// Returns the start of a pixel in double-double, or `None` where a section has no real
+    /// solution.
     fn launch(&self, column: u32, row: u32) -> Option<Launch> {
         let at = self.angle_from_pixel(column, row);
         match self.plane.is_at_rest {
@@ -271,13 +275,13 @@ impl Grid {
         }
     }
 
-    /// The start of a pixel to all digits, with speeds in reduced units.
+    /// Returns the exact start of a pixel, with speeds in reduced units.
     fn exact_reduced(&self, column: u32, row: u32) -> Option<State<Exact>> {
         let start = self.exact_start(column, row)?;
         Some(State { speed: start.speed.map(|speed| speed * self.reduced.1), ..start })
     }
 
-    /// Returns true if the lattice reaches all starts of a picture.
+    /// Returns true if the lattice covers all starts of a picture.
     fn is_reached(
         plane: &ExactPlane,
         center: [Exact; 2],
@@ -289,14 +293,14 @@ impl Grid {
         plane.reaches(center.map(Exact::to_f64), half)
     }
 
-    /// The plane of the cells of starts that can be followed; none where the starts move faster than
-    /// the lattice reaches, or a cell's polynomials do not answer the question.
+    /// Returns the plane whose cells of starts can be followed, or `None` if starts move faster
+    /// than the lattice reaches or polynomials cannot answer the question.
     pub fn cell_plane(&self) -> Option<ExactPlane> {
         self.has_cells.then_some(self.exact_plane)
     }
 
-    /// True if energy forbids the flip: tested in f64, or in double-double where f64 cannot tell, or in
-    /// all digits.
+    /// Returns true if energy forbids a flip. The test uses f64, double-double or exact numbers,
+    /// whichever first gives a certain answer.
     fn is_forbidden(&self, launch: &Launch, column: u32, row: u32) -> bool {
         if let Some(forbidden) = self.forbids_section {
             return forbidden;

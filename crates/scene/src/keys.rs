@@ -25,7 +25,7 @@ pub struct Key {
     /// Motion of the camera on its way from the previous key.
     #[serde(default)]
     pub easing: Easing,
-    /// Simulated seconds that have passed by then: later flips are not shown yet.
+    /// Simulated seconds that have passed at this key; later flips are not shown yet.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clock: Option<f64>,
     /// The scene that the camera sees.
@@ -45,7 +45,7 @@ pub enum Easing {
 }
 
 impl Easing {
-    /// The share of the way covered after a share of the time.
+    /// Returns the share of the way covered after a share of the time.
     pub(crate) fn share(self, time: f64) -> f64 {
         match self {
             Easing::Smooth => time * time * (3.0 - 2.0 * time),
@@ -54,8 +54,8 @@ impl Easing {
     }
 }
 
-/// Seconds from the previous key to an appended one at which the camera stops; `PASS_SECS` for a
-/// view that it only passes on its way in.
+/// Seconds from the previous key to an appended one: `STOP_SECS` if the camera stops there, and
+/// `PASS_SECS` if it only passes.
 const STOP_SECS: f64 = 5.0;
 const PASS_SECS: f64 = 1.0;
 
@@ -71,7 +71,7 @@ pub enum KeysError {
     /// An error in a key's scene, or in the file as a whole.
     #[error(transparent)]
     Document(#[from] DocumentError),
-    /// A time that a key cannot have.
+    /// A time that is out of range, or not later than that of the key before.
     #[error("key {number} is at {secs} s; each must be later than the one before, from 0 to 1e6 s")]
     Time {
         /// Number of the key, from 1.
@@ -98,13 +98,13 @@ impl Keys {
         Ok(keys)
     }
 
-    /// The keys as TOML.
+    /// Returns the keys as TOML.
     pub fn text(&self) -> String {
         toml::to_string(self).expect("plain tables are TOML")
     }
 
-    /// Appends a scene after the last key, the first one at 0 s: five seconds later for a smooth
-    /// stop, one second later for a view that is only passed.
+    /// Appends a scene: the first at 0 s, and any other five seconds after the last key for a
+    /// smooth stop or one second after it for a view that is only passed.
     pub fn append(&mut self, scene: Document, easing: Easing) {
         let step = if easing == Easing::Smooth { STOP_SECS } else { PASS_SECS };
         let secs = self.keys.last().map_or(0.0, |last| last.secs + step);

@@ -1,4 +1,4 @@
-//! The lattice: the torus of starts in quarters of quarters.
+//! The lattice: the torus of starts, divided into quarters again and again.
 //!
 //! Level 0 is one cell, the whole torus from −π to π in both angles. Each level cuts every cell
 //! into four quarters, so that 2^level cells lie along each axis, down to level [`DEEPEST`].
@@ -19,8 +19,8 @@
 //! - Corners are multiples of 2^−level turns, which 448 bits after the point hold exactly.
 //! - Planes with speeds or momenta are covered by the same square, enlarged and without repeats
 //!   ([`super::Plane::lattice_doublings`]).
-//! - A cell knows nothing of a view. The window always samples it in the same [`SIDE`] × [`SIDE`]
-//!   places (films in fewer, see `tiles::patches`): a place is the same tile in every view.
+//! - A cell does not depend on a view. The window always samples it in the same [`SIDE`] × [`SIDE`]
+//!   places (films in fewer, see `tiles::patches`), so a place is the same tile in every view.
 //! - (θ1, θ2) → (−θ1, −θ2) maps the lattice onto itself and keeps the flip times from rest. A cell
 //!   and its image have the same samples in reverse order, and only one of the two is ever computed
 //!   ([`Cell::canonical`]). Only the whole torus is its own image.
@@ -54,11 +54,12 @@ pub struct Region {
     pub center: [Exact; 2],
     /// Half the extent along θ1 and θ2 in rad.
     pub half_rad: [f64; 2],
-    /// True if cells repeat beyond ±π, as on the torus; else nothing lies there.
+    /// True if cells repeat beyond ±π, as on the torus; otherwise there are none beyond.
     pub repeats: bool,
 }
 
-/// A cell at one of the places where it appears in a region: the torus repeats.
+/// One appearance of a cell in a region; a cell may appear several times, because the torus
+/// repeats.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placed {
     /// The cell itself.
@@ -67,12 +68,12 @@ pub struct Placed {
     pub offset: [f64; 2],
 }
 
-/// Side of a level's cells in rad.
+/// Returns the side of a level's cells in rad.
 pub fn side_rad(level: u32) -> f64 {
     std::f64::consts::TAU * 0.5f64.powi(level as i32)
 }
 
-/// Distance between a level's samples in rad.
+/// Returns the distance between a level's samples in rad.
 pub fn pitch_rad(level: u32) -> f64 {
     side_rad(level) / f64::from(SIDE)
 }
@@ -81,38 +82,38 @@ impl Cell {
     /// The whole torus.
     pub const WHOLE: Cell = Cell { level: 0, x: Turn::ZERO, y: Turn::ZERO };
 
-    /// The cell of a level in which a start lies.
+    /// Returns the cell of a level in which a start lies.
     pub fn around(angle: [Exact; 2], level: u32) -> Cell {
         Cell::at(angle.map(Turn::from_theta), level)
     }
 
-    /// The cell of a level in which a place lies.
+    /// Returns the cell of a level in which a place lies.
     pub fn at(place: [Turn; 2], level: u32) -> Cell {
         let [x, y] = place.map(|turn| turn.wrapped().floor(level));
         Cell { level, x, y }
     }
 
-    /// Middle of the cell in rad, in (−π, π); exactly odd about the origin.
+    /// Returns the middle of the cell in rad, in (−π, π); exactly odd about the origin.
     pub fn center(&self) -> [Exact; 2] {
         self.middle().map(Turn::to_theta)
     }
 
-    /// Middle of the cell in turns.
+    /// Returns the middle of the cell in turns.
     pub fn middle(&self) -> [Turn; 2] {
         [self.x, self.y].map(|corner| corner + Turn::side(self.level + 1))
     }
 
-    /// The cell one level up of which this is a quarter; none for the whole torus.
+    /// Returns the cell one level up that contains this one, or `None` for the whole torus.
     pub fn parent(&self) -> Option<Cell> {
         Some(self.ancestor(self.level.checked_sub(1)?))
     }
 
-    /// The cell of a coarser level that contains this one.
+    /// Returns the cell of a coarser level that contains this one.
     pub fn ancestor(&self, level: u32) -> Cell {
         Cell { level, x: self.x.floor(level), y: self.y.floor(level) }
     }
 
-    /// The quarters of the cell: the left two from below, then the right two.
+    /// Returns the quarters of the cell: the left two from below, then the right two.
     pub fn children(&self) -> [Cell; 4] {
         let half = Turn::side(self.level + 1);
         let zero = Turn::ZERO;
@@ -123,21 +124,23 @@ impl Cell {
         })
     }
 
-    /// Offset of the lower left corner from that of a containing cell, in sides of this cell.
+    /// Returns the offset of the lower left corner from that of a containing cell, in sides of this
+    /// cell.
     pub fn index_in(&self, ancestor: &Cell) -> [f64; 2] {
         let sides = 2f64.powi(self.level as i32);
         [self.x - ancestor.x, self.y - ancestor.y].map(|by| by.to_f64() * sides)
     }
 
-    /// A place inside the cell, mapped to [−1, 1]².
+    /// Maps a place inside the cell to [−1, 1]².
     pub(crate) fn point(&self, place: [Turn; 2]) -> [f64; 2] {
         let half = 2f64.powi(self.level as i32 + 1);
         let corner = [self.x, self.y];
         [0, 1].map(|i| (place[i] - corner[i]).wrapped().to_f64() * half - 1.0)
     }
 
-    /// Groups the cell's `samples` × `samples` samples by the leaves to which start maps belong, each
-    /// with `leaf` of them along a side; both are powers of two. A leaf may be larger than the cell.
+    /// Groups the cell's `samples` × `samples` samples by leaves, the cells that start maps belong
+    /// to. Each leaf has `leaf` samples along a side; both numbers are powers of two. A leaf may be
+    /// larger than the cell.
     pub fn leaves(&self, samples: u32, leaf: u32) -> Grouped {
         if leaf > samples {
             let holder = self.ancestor(self.level.saturating_sub((leaf / samples).ilog2()));
@@ -161,26 +164,26 @@ impl Cell {
         groups
     }
 
-    /// The cell's image under (θ1, θ2) → (−θ1, −θ2).
+    /// Returns the cell's image under (θ1, θ2) → (−θ1, −θ2).
     pub(crate) fn mirrored(&self) -> Cell {
         let last = Turn::side(0) - Turn::side(self.level);
         Cell { level: self.level, x: last - self.x, y: last - self.y }
     }
 
-    /// Returns the cell or its image, whichever is computed, and true if that is the image.
+    /// Returns the cell or its image, whichever is computed, and true if it is the image.
     pub fn canonical(&self) -> (Cell, bool) {
         let image = self.mirrored();
         if image < *self { (image, true) } else { (*self, false) }
     }
 
-    /// Returns the cell whose samples are computed for this one, and true if that is its image;
-    /// `mirrors` is true if images have equal samples.
+    /// Returns the cell whose samples are computed for this one, and true if it is the image of
+    /// this one. `mirrors` is true if images have equal samples.
     pub fn computed(&self, mirrors: bool) -> (Cell, bool) {
         if mirrors { self.canonical() } else { (*self, false) }
     }
 
-    /// The `samples` × `samples` samples as a picture of `scene`'s pendulum and plane, row 0 at the
-    /// top.
+    /// Returns the `samples` × `samples` samples as a picture of `scene`'s pendulum and plane, row
+    /// 0 at the top.
     pub fn grid(&self, scene: &Scene, samples: u32) -> Grid {
         let doublings = scene.plane.lattice_doublings(&scene.build);
         let side = Exact::pi().doubled(1 + doublings).halved(self.level);
@@ -189,7 +192,7 @@ impl Cell {
         Grid::square(scene, center, pixel.to_dd(), [samples; 2])
     }
 
-    /// Column and row of the sample nearest to a start inside the cell.
+    /// Returns the column and row of the sample nearest to a start inside the cell.
     pub fn sample_at(&self, angle: [Exact; 2]) -> [u32; 2] {
         let center = self.center();
         let pitch = pitch_rad(self.level);
@@ -201,8 +204,8 @@ impl Cell {
 }
 
 impl Region {
-    /// The cells of a level that touch the region, at every place where they appear in it, row by
-    /// row; none at all if there are more than `most`.
+    /// Returns the cells of a level that touch the region, at every place where they appear in it,
+    /// row by row. The result is empty if there are more than `most`.
     pub fn cells(&self, level: u32, most: usize) -> Vec<Placed> {
         let side_rad = side_rad(level);
         let count = |half: f64| 2.0 * half / side_rad;
@@ -222,12 +225,12 @@ impl Region {
             .collect()
     }
 
-    /// The same region, `times` as large.
+    /// Returns the region with its extent multiplied by `times`.
     pub fn scaled(&self, times: f64) -> Region {
         Region { half_rad: self.half_rad.map(|half| half * times), ..*self }
     }
 
-    /// The left or lower sides of the cells along an axis, not wrapped.
+    /// Returns the left or lower sides of the cells along an axis, not wrapped.
     fn sides(&self, axis: usize, level: u32) -> Vec<Turn> {
         let half = Exact::from_f64(self.half_rad[axis]);
         let first = Turn::from_theta(self.center[axis] - half).floor(level);
@@ -244,9 +247,10 @@ impl Region {
     }
 }
 
-/// The `count` × `count` samples of a cell from the column and row `first` on, counted from the lower left, as
-/// places among its `samples` × `samples` and as points of a leaf with `along` samples along a side, of
-/// which those `before` lie to the left and below.
+/// Returns `count` × `count` samples of a cell, from the column and row `first` on, counted from
+/// the lower left. Each sample has its index among the cell's `samples` × `samples` and its point
+/// in a leaf. The leaf has `along` samples along a side, `before` of which lie to the left of the
+/// returned samples and below them.
 fn points_of(
     first: [u32; 2],
     count: u32,

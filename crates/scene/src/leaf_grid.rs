@@ -1,29 +1,30 @@
-//! The places in the lattice at which the pixels of a deep picture lie.
+//! Positions of a deep picture's pixels in the lattice.
 //!
-//! Start maps belong to cells of the lattice, never to a picture, a tile or a shard. A pixel is
-//! therefore a leaf of the lattice and a point in it.
+//! A start map belongs to a cell of the lattice rather than to a picture, a tile or a shard. A
+//! pixel is therefore described by a leaf of the lattice and a point in that leaf.
 
 use super::ExactPlane;
 use super::lattice::Cell;
 use super::turn::Turn;
 use flipmap_numbers::{Dd, Exact, Scalar};
 
-/// Pixels by the leaf in which they lie: for each its place among all and its point in [−1, 1]².
+/// Pixels grouped by leaf: each has its index among all pixels and its point in the leaf, in [−1,
+/// 1]².
 pub type Grouped = Vec<(Cell, Vec<(u32, [f64; 2])>)>;
 
-/// The pixels of a grid as places in the lattice.
+/// A grid's pixels as positions in the lattice.
 #[derive(Clone, Debug)]
 pub(super) struct LeafGrid {
     middle: [Turn; 2],
     right: [Turn; 2],
     up: [Turn; 2],
-    /// Distance between the pixels that decide the level of the leaves, in rad of the lattice.
+    /// Pixel spacing that sets the level of the leaves, in rad of the lattice.
     pixel: f64,
 }
 
 impl LeafGrid {
-    /// The places of a plane's grid around `center`, with the steps to the right and upwards per
-    /// pixel; all in the units of the plane's axes.
+    /// Places a plane's grid around `center`, with `steps` per pixel to the right and upwards, all
+    /// in the units of the plane's axes.
     pub(super) fn new(plane: &ExactPlane, center: [Exact; 2], steps: [[Dd; 2]; 2]) -> Self {
         let from_zero = |by: Exact| Turn::from_theta(by) - Turn::from_theta(Exact::ZERO);
         let [right, up] = steps.map(|step| plane.to_lattice(step.map(Exact::from_dd)));
@@ -37,13 +38,13 @@ impl LeafGrid {
         }
     }
 
-    /// The same places in the leaves of another grid, whose pixels lie closer.
+    /// Returns the same pixels, to be grouped by the leaves of a grid with closer pixels.
     pub(super) fn in_leaves_of(self, others: &LeafGrid) -> Self {
         LeafGrid { pixel: others.pixel, ..self }
     }
 
-    /// Groups some pixels of a picture of `size` by their leaves, with about `leaf_pixels` along a side;
-    /// each comes with its place among all.
+    /// Groups pixels of a picture of `size` by leaf, with about `leaf_pixels` pixels along a leaf's
+    /// side. Each pixel is given with its index among all.
     pub(super) fn grouped(
         &self,
         size: [u32; 2],
@@ -54,7 +55,8 @@ impl LeafGrid {
         let level = sides.log2().floor().max(0.0) as u32;
         let across = |column: u32| f64::from(column) + 0.5 - f64::from(size[0]) / 2.0;
         let above = |row: u32| f64::from(size[1]) / 2.0 - f64::from(row) - 0.5;
-        // Products of long numbers take longer than all else here: one for each column and row.
+        // Products of long numbers dominate the time here, so each column and row computes its own
+        // once.
         let mut columns = Offsets::new(|column| self.right.map(|step| step.times(across(column))));
         let mut rows = Offsets::new(|row| self.up.map(|step| step.times(above(row))));
         let mut groups = std::collections::BTreeMap::<Cell, Vec<_>>::new();
@@ -68,7 +70,7 @@ impl LeafGrid {
     }
 }
 
-/// Distances from the middle of a picture, of the columns or rows met so far.
+/// Offsets from the middle of a picture, cached for the columns or rows used so far.
 struct Offsets<F> {
     known: Vec<Option<[Turn; 2]>>,
     compute: F,

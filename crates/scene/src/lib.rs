@@ -1,11 +1,11 @@
-//! The content of a picture as plain data, never how it is computed.
+//! Plain data describing what a picture shows, independent of how it is computed.
 //!
-//! A [`Scene`] is a pendulum ([`PendulumSpec`]), a question ([`QuestionSettings`], one of those in
-//! [`question`]), a [`Plane`] of starts and a [`View`] of it. Two scenes are the same work exactly
-//! when their pendulums and questions are equal; the view only selects the starts, which a [`Grid`]
-//! finds for each pixel. A [`Document`] is a scene as people keep it: a TOML file, or the text
-//! inside a PNG; every value of it is a [`Setting`]. [`palette`] has the colours, [`keys`] the
-//! films, [`lattice`] the recursive division of the plane that a window's tiles belong to.
+//! A [`Scene`] combines a pendulum ([`PendulumSpec`]), a question ([`QuestionSettings`]; see
+//! [`question`]), a [`Plane`] of starts and a [`View`] of that plane. The pendulum and the question
+//! define the work for one start; the plane and the view select the starts, and a [`Grid`] finds
+//! the start of each pixel. A [`Document`] stores a scene as a TOML file or as text inside a PNG,
+//! and a [`Setting`] names one value of a scene. [`palette`] has the colours, [`keys`] the films
+//! and [`lattice`] the recursive division of the plane into cells, which are the window's tiles.
 //!
 //! ```
 //! use flipmap_scene::Document;
@@ -79,7 +79,7 @@ impl Kind {
         [("points", Kind::Points), ("rods", Kind::Rods)];
 }
 
-/// A pendulum as people build it.
+/// A pendulum described by its kind, masses, lengths, gravity and friction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PendulumSpec {
@@ -109,29 +109,29 @@ impl Default for PendulumSpec {
 }
 
 impl PendulumSpec {
-    /// A pendulum of masses in kg, lengths in m and gravity in m/s².
+    /// Returns a frictionless pendulum with masses in kg, lengths in m and gravity in m/s².
     pub fn new(kind: Kind, masses: [f64; 2], lengths: [f64; 2], gravity: f64) -> Self {
         let [masses, lengths] = [masses, lengths].map(|pair| pair.map(Decimal::from));
         let friction = [0.0.into(); 2];
         PendulumSpec { kind, masses, lengths, gravity: gravity.into(), friction }
     }
 
-    /// Masses m1, m2 as the nearest f64, in kg.
+    /// Returns the masses m1, m2 in kg, rounded to f64.
     pub fn masses_kg(&self) -> [f64; 2] {
         self.masses.map(|mass| mass.value())
     }
 
-    /// Lengths l1, l2 as the nearest f64, in m.
+    /// Returns the lengths l1, l2 in m, rounded to f64.
     pub fn lengths_m(&self) -> [f64; 2] {
         self.lengths.map(|length| length.value())
     }
 
-    /// The pendulum's five numbers to the precision of f64.
+    /// Returns the pendulum's five numbers (A, B, C, P, Q), rounded to f64.
     pub fn pendulum(&self) -> Pendulum<f64> {
         self.pendulum_in::<Dd>().to_f64()
     }
 
-    /// The pendulum's five numbers, computed in `T` from the decimals that were given.
+    /// Returns the pendulum's five numbers, computed in `T` from the given decimals.
     pub fn pendulum_in<T: Scalar>(&self) -> Pendulum<T> {
         let [masses, lengths] =
             [self.masses, self.lengths].map(|pair| pair.map(|x| T::from_theta(x.exact())));
@@ -144,13 +144,13 @@ impl PendulumSpec {
         Pendulum { friction: self.has_friction().then_some(friction), ..pendulum }
     }
 
-    /// Returns true if anything slows the pendulum down.
+    /// Returns true if either pivot has friction.
     pub fn has_friction(&self) -> bool {
         !is_frictionless(&self.friction)
     }
 
-    /// The five numbers in reduced units, in which C = Q = 1, and the unit of time, √(C/Q), in s.
-    /// They are formed from ratios, so that no product leaves the range of a fixed-point number.
+    /// Returns the five numbers in reduced units (C = Q = 1) and the unit of time √(C/Q) in s. They
+    /// are formed from ratios so that no product leaves the range of a fixed-point number.
     pub fn reduced_in<T: Scalar>(&self) -> (Pendulum<T>, T) {
         let of = |decimal: Decimal| T::from_theta(decimal.exact());
         let [[m1, m2], [l1, l2]] = [self.masses, self.lengths].map(|pair| pair.map(of));
@@ -166,7 +166,7 @@ impl PendulumSpec {
             ),
         };
         let unit_secs = (l1 / of(self.gravity)).sqrt();
-        // In units of √(CQ); C is Q over gravity times the first length.
+        // Friction is in units of √(CQ) = Q √(l1/g), because C = Q l1/g.
         let force = match self.kind {
             Kind::Points => m2 * l2 * of(self.gravity),
             Kind::Rods => m2 * l2 * of(self.gravity) / two,
@@ -176,13 +176,14 @@ impl PendulumSpec {
         (Pendulum { a, b, c: one, p, q: one, least_det, friction }, unit_secs)
     }
 
-    /// The pendulum's natural unit of time in s; 1 s without gravity, when nothing moves.
+    /// Returns the pendulum's natural unit of time in s, or 1 s without gravity, when nothing
+    /// moves.
     pub fn unit_secs(&self) -> f64 {
         if self.gravity.value() > 0.0 { self.reduced_in::<Dd>().1.to_f64() } else { 1.0 }
     }
 }
 
-/// A description of what to compute, never of how.
+/// A description of what to compute, independent of how.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// The pendulum.
@@ -191,13 +192,13 @@ pub struct Scene {
     pub question: QuestionSettings,
     /// The part of the plane that is shown.
     pub view: View,
-    /// The plane of starts that it is part of.
+    /// The plane of starts that contains the view.
     pub plane: Plane,
 }
 
 impl Scene {
-    /// Checks every number, so that nothing later needs to. An automatic budget is guessed; see
-    /// [`Scene::settled`].
+    /// Checks every number, so that no later code needs to, and guesses an automatic budget;
+    /// [`Scene::settled`] computes it.
     pub fn checked(mut self) -> Result<Self, SceneError> {
         const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
         let refuse = |setting, value: &dyn std::fmt::Debug, range: &'static str| {
@@ -232,8 +233,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// The same scene without the values that its question or its plane does not have, once another
-    /// question or plane has been chosen.
+    /// Resets values that the question or the plane does not use; call it after changing either.
     #[must_use]
     pub fn without_strays(mut self) -> Self {
         let (kind, question) = (self.question.ask.kind(), &mut self.question);
@@ -256,20 +256,20 @@ impl Scene {
         self
     }
 
-    /// Returns true if it asks for the flips of pendulums released from rest, the question and the
-    /// plane that every part of the program knows.
+    /// Returns true if the scene asks for first flips of pendulums released from rest. Every part
+    /// of the program supports this question and plane.
     pub fn is_flip_from_rest(&self) -> bool {
         self.question.ask == QuestionName::Flip
             && self.question.count == 1
             && self.plane.is_at_rest()
     }
 
-    /// Returns true if cells of starts can be followed: their polynomials answer the question.
+    /// Returns true if following cells of starts by polynomials can answer the question.
     pub fn has_cells(&self) -> bool {
         self.question.follows_cells()
     }
 
-    /// Refuses another question or plane where only flips from rest can be shown or computed.
+    /// Refuses a scene that asks for anything but first flips of pendulums released from rest.
     pub fn require_flip_from_rest(&self) -> Result<(), SceneError> {
         let Scene { question, plane, .. } = self;
         let range = "here only flips of pendulums released from rest are possible; flipmap render \
@@ -289,8 +289,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Returns true if the pixels of a picture on both sides of the view's centre are mirror images
-    /// with equal answers.
+    /// Returns true if pixels opposite each other across the view's centre have equal answers.
     pub fn is_symmetric(&self) -> bool {
         let wraps = self.plane.axes().map(Axis::wraps);
         self.view.is_symmetric(wraps)
@@ -298,8 +297,8 @@ impl Scene {
             && self.question.ask.kind().is_even
     }
 
-    /// The checked scene with its automatic budget, which takes seconds at great depths
-    /// ([`Budget::for_view`]).
+    /// Computes the automatic budget of a checked scene whose pendulums start at rest, which takes
+    /// seconds at great depths ([`Budget::for_view`]).
     #[must_use]
     pub fn settled(mut self) -> Self {
         if self.plane.is_at_rest() {

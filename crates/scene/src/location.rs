@@ -2,7 +2,7 @@
 //! `flipmap:center=-1.66,0.1;width=0.4;budget=60;rule=either`.
 //!
 //! The words are those of the command line. Centre and width are always present, the other words
-//! only where they differ from the home scene.
+//! only where they differ from the defaults.
 
 use super::words::{Setting, set_all};
 use super::{Scene, SceneError};
@@ -38,7 +38,7 @@ pub enum LocationError {
     Scene(#[from] SceneError),
 }
 
-/// A scene as one line, which [`parse`] turns back into the same scene.
+/// Returns the scene as one line, which [`parse`] turns back into the same scene.
 pub fn text(scene: &Scene) -> String {
     let home = Scene::default();
     let mut parts = Vec::new();
@@ -51,7 +51,7 @@ pub fn text(scene: &Scene) -> String {
     format!("{PREFIX}{}", parts.join(";"))
 }
 
-/// Reads the scene of a line; white space is allowed around the line and its parts.
+/// Reads a scene from one line; white space is allowed around the line and its parts.
 pub fn parse(text: &str) -> Result<Scene, LocationError> {
     let text = text.trim();
     let Some(parts) = text.strip_prefix(PREFIX) else { return three_numbers(text) };
@@ -131,7 +131,7 @@ mod tests {
     fn built_in_scenes_come_back() {
         for built_in in BUILT_IN {
             let mut scene = built_in.document().scene();
-            // A location is the view that is seen, whatever it was fitted into.
+            // A location holds the view as it is seen, without `fit`.
             scene.view.fit = false;
             assert_eq!(parse(&text(&scene)), Ok(scene));
         }

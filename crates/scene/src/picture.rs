@@ -1,4 +1,4 @@
-//! The settings of painting a picture from its samples; none changes what is computed.
+//! The settings for painting a picture from its samples; none changes what is computed.
 
 mod sampling;
 
@@ -22,30 +22,30 @@ pub struct PictureTable {
     pub curve: bool,
     /// Samples of each pixel.
     pub samples: Sampling,
-    /// True if pixels that look like all their neighbours get one of several samples only.
+    /// True if a pixel that looks like all its neighbours gets only one of its several samples.
     #[serde(skip_serializing_if = "is_default")]
     pub adaptive: bool,
     /// True if late flips have the palette's first colour.
     #[serde(skip_serializing_if = "is_default")]
     pub reverse: bool,
-    /// Number of times that the palette is run through.
+    /// Number of runs through the palette.
     #[serde(skip_serializing_if = "is_once")]
     pub cycles: f64,
-    /// True if every second run through the palette goes backwards, so that no seam is seen.
+    /// True if every second run through the palette goes backwards, which avoids a seam.
     #[serde(skip_serializing_if = "is_default")]
     pub mirror: bool,
-    /// Part of the palette that precedes the first time, from 0 to 1, with which it is the same again.
+    /// Share of the palette that precedes the first time, from 0 to 1; 0 and 1 look the same.
     #[serde(skip_serializing_if = "is_default")]
     pub offset: f64,
     /// Scale between two entries of `times`.
     #[serde(skip_serializing_if = "is_default")]
     pub scale: Scale,
-    /// Seconds at which equal steps of the palette lie: none for the range from the pendulum's
+    /// Seconds at which equal steps of the palette lie: empty for the range from the pendulum's
     /// natural unit of time to the budget, two for another range, more for a stretched one.
     #[serde(skip_serializing_if = "is_default")]
     pub times: Vec<f64>,
-    /// Name of the question's channel that is painted and written; none for all of them, and the
-    /// colours by which the question is known.
+    /// Name of the question's channel that is painted and written; `None` writes all channels and
+    /// paints the question's natural colours.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channel: Option<String>,
     /// True if a legend is drawn in the corner.
@@ -57,7 +57,7 @@ pub struct PictureTable {
     /// Share of the light that falls from the side on a landscape of times, from 0 to 1.
     #[serde(skip_serializing_if = "is_default")]
     pub relief: f64,
-    /// Direction to that light in degrees, anticlockwise from the right.
+    /// Direction to the light from the side in degrees, anticlockwise from the right.
     #[serde(skip_serializing_if = "is_upper_left")]
     pub light: f64,
     /// Colours of pixels without an answer and of the energy curve.
@@ -102,7 +102,7 @@ fn is_eight(bits: &u8) -> bool {
     *bits == 8
 }
 
-/// Direction to the light from which people take hills for hills, degrees.
+/// Direction to the light in degrees from which hills look like hills and not like hollows.
 const UPPER_LEFT_DEG: f64 = 135.0;
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
@@ -110,7 +110,7 @@ fn is_upper_left(light: &f64) -> bool {
     *light == UPPER_LEFT_DEG
 }
 
-/// The relation between times and colours.
+/// The scale that relates times to colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Scale {
@@ -140,9 +140,9 @@ impl FromStr for Scale {
 /// The part of a question's answers that a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// The channels by which the question is known; arrays hold all of them.
+    /// The question's natural colours; arrays hold all channels.
     Natural,
-    /// One channel, alone in arrays, too.
+    /// One channel, which is also the only one in arrays.
     Channel(usize),
     /// All channels, painted in another way.
     Tint(Painted),
@@ -154,14 +154,15 @@ impl PictureTable {
     pub const SPREAD_BELOW_RAD: f64 = 1e-6;
     /// Decades of a film's zoom above which its colours are spread over its own times.
     pub const SPREAD_FILM_DECADES: f64 = 3.0;
-    /// Number of steps of such colours.
+    /// Number of steps in colours that are spread over their own times.
     pub const SPREAD_STEPS: usize = 64;
 
     /// Range of samples per pixel along each axis.
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=8;
     /// Samples per pixel along each axis where colours change, in adaptive sampling.
     pub const ADAPTIVE: u32 = 3;
-    /// Largest number of pixels of a picture that is sampled adaptively: all are held at once.
+    /// Largest number of pixels of a picture that is sampled adaptively, because all are held in
+    /// memory at once.
     const MAX_ADAPTIVE_PIXELS: u64 = 1 << 25;
     /// Range of the number of times that the palette can be run through.
     pub const CYCLES: std::ops::RangeInclusive<f64> = 1.0..=100.0;
@@ -169,7 +170,7 @@ impl PictureTable {
     pub const OFFSETS: std::ops::RangeInclusive<f64> = 0.0..=1.0;
     /// Range of the strength of the light from the side.
     pub const RELIEFS: std::ops::RangeInclusive<f64> = 0.0..=1.0;
-    /// Range of the direction to that light, degrees.
+    /// Range of the direction to the light from the side, in degrees.
     pub(crate) const LIGHTS_DEG: std::ops::RangeInclusive<f64> = -360.0..=360.0;
     /// Range of the times that colours can stand for, s.
     pub const SECS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
@@ -203,15 +204,16 @@ impl PictureTable {
         Ok(())
     }
 
-    /// Returns true if a picture of a question has several samples only in pixels where colours change:
-    /// one with a single time, which is the same all over a pixel that looks so.
+    /// Returns true if a picture of this question takes several samples only in pixels where
+    /// colours change. The question must have a time as its only channel, because such a time is
+    /// the same all over a pixel that looks uniform.
     pub fn is_adaptive(&self, ask: QuestionName) -> bool {
         let several = self.adaptive && self.samples.along() > 1;
         several && ask.is_time() && ask.kind().channels.len() == 1
     }
 
-    /// The samples of each pixel of a picture of this size: one where there are too many pixels to hold
-    /// those whose corners have samples.
+    /// Returns the samples of each pixel in a picture of this size. A picture with too many pixels
+    /// to hold at once gets one sample per pixel instead of samples in corners.
     pub fn samples_of(&self, size: [u32; 2]) -> Sampling {
         match self.samples {
             Sampling::Corners if !Self::fits_adaptive(size) => Sampling::SINGLE,
@@ -219,12 +221,12 @@ impl PictureTable {
         }
     }
 
-    /// Returns true if all pixels of a picture can be held at once.
+    /// Returns true if all pixels of a picture can be held in memory at once.
     fn fits_adaptive(size: [u32; 2]) -> bool {
         size.into_iter().map(u64::from).product::<u64>() <= Self::MAX_ADAPTIVE_PIXELS
     }
 
-    /// The part of a question's answers that is shown.
+    /// Returns the part of a question's answers that is shown.
     pub fn shown(&self, ask: QuestionName) -> Result<Shown, SceneError> {
         let Some(name) = &self.channel else { return Ok(Shown::Natural) };
         if let Some((_, tint)) = ask.kind().tint.filter(|(tint, _)| tint == name) {
@@ -234,7 +236,7 @@ impl PictureTable {
         ask.channel(name).map(Shown::Channel).ok_or_else(refused)
     }
 
-    /// Returns true if the colours are those of times, for a question that has the channel.
+    /// Returns true if the colours show times.
     pub fn paints_times(&self, ask: QuestionName) -> bool {
         let kind = ask.kind();
         let channel = match self.shown(ask) {

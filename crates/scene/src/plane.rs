@@ -19,11 +19,11 @@ use flipmap_pendulum::{Launch, Pendulum};
 pub struct Plane {
     /// The quantities across and up.
     pub kind: PlaneKind,
-    /// Start (θ1, θ2, ω1, ω2) in rad and rad/s that gives the two quantities which are not on an
-    /// axis; decimal strings.
+    /// Start (θ1, θ2, ω1, ω2) in rad and rad/s, as decimal strings; it gives the two quantities
+    /// that are not on an axis.
     #[serde(deserialize_with = "exactly")]
     pub origin: [String; 4],
-    /// Total energy of a section in J; zero if both rods are level and at rest.
+    /// Total energy of a section in J, which is zero with both rods level and at rest.
     pub energy: f64,
 }
 
@@ -32,7 +32,7 @@ pub struct Plane {
 pub enum PlaneKind {
     /// Two of the angles and speeds.
     Axes([Axis; 2]),
-    /// The angle θ2 and its momentum p2 where θ1 = 0 and dθ1/dt > 0, at a given energy.
+    /// The angle θ2 and the momentum p2 where θ1 = 0 and dθ1/dt > 0, at a given energy.
     Section,
 }
 
@@ -60,7 +60,7 @@ const AXES: [(&str, Axis); 4] = [
 ];
 
 impl PlaneKind {
-    /// The planes that have names of their own.
+    /// The planes with names of their own.
     pub const NAMED: [(&str, PlaneKind); 5] = [
         ("angles", PlaneKind::Axes([Axis::Theta1, Axis::Theta2])),
         ("speeds", PlaneKind::Axes([Axis::Omega1, Axis::Omega2])),
@@ -76,12 +76,12 @@ impl Axis {
     /// The quantities of a start, in the order of an origin.
     pub const OF_STARTS: [Axis; 4] = [Axis::Theta1, Axis::Theta2, Axis::Omega1, Axis::Omega2];
 
-    /// Returns true if values 2π apart are one.
+    /// Returns true if values 2π apart are the same place.
     pub fn wraps(self) -> bool {
         matches!(self, Axis::Theta1 | Axis::Theta2)
     }
 
-    /// Symbol of the quantity.
+    /// Returns the symbol of the quantity.
     pub fn symbol(self) -> &'static str {
         match self {
             Axis::Theta1 => "θ1",
@@ -92,7 +92,7 @@ impl Axis {
         }
     }
 
-    /// Unit of the quantity.
+    /// Returns the unit of the quantity.
     pub fn unit(self) -> &'static str {
         match self {
             Axis::Theta1 | Axis::Theta2 => "rad",
@@ -101,13 +101,14 @@ impl Axis {
         }
     }
 
-    /// The text of a coordinate as a decimal number in the unit: angles may be in degrees or in parts
-    /// of π.
+    /// Converts the text of a coordinate to a decimal number in the axis's unit; angles may be in
+    /// degrees or in multiples of π.
     pub fn in_unit(self, text: &str) -> String {
         if self.wraps() { in_rad(text) } else { text.trim().to_string() }
     }
 
-    /// Index of the quantity among (θ1, θ2, ω1, ω2); the momentum takes the place of ω2.
+    /// Returns the index of the quantity among (θ1, θ2, ω1, ω2); the momentum takes the place of
+    /// ω2.
     pub(super) fn place(self) -> usize {
         match self {
             Axis::Theta1 => 0,
@@ -126,11 +127,11 @@ impl Default for Plane {
 }
 
 impl Plane {
-    /// The planes that have an energy, as a phrase.
+    /// Error text for an energy given to a plane that has none.
     pub(super) const ENERGY_IS_FOR: &str =
         "only the plane section has an energy: omit `energy`, or use `plane` section";
 
-    /// The plane that has no origin, as a phrase.
+    /// Error text for an origin given to a section.
     pub(super) const NO_ORIGIN: &str =
         "the plane section has no origin: omit `origin`, or use another `plane`";
 
@@ -142,13 +143,13 @@ impl Plane {
         }
     }
 
-    /// Returns true if it is the torus of both angles, with pendulums released from rest.
+    /// Returns true if the plane is the torus of both angles, with pendulums released from rest.
     pub fn is_at_rest(&self) -> bool {
         self.kind == PlaneKind::ANGLES
             && self.origin[2..].iter().all(|speed| Dd::parse(speed) == Some(Dd::new(0.0)))
     }
 
-    /// Returns true if the start at (−x, −y) is the mirror image of the one at (x, y).
+    /// Returns true if the starts at (−x, −y) and (x, y) are mirror images for all x and y.
     pub fn is_symmetric(&self) -> bool {
         let is_zero = |value: &String| Dd::parse(value) == Some(Dd::new(0.0));
         let axes = self.axes().map(Axis::place);
@@ -162,9 +163,9 @@ impl Plane {
         self.axes().into_iter().all(Axis::wraps)
     }
 
-    /// Number of doublings by which the lattice, a square from −π to π, is enlarged to cover the
-    /// plane in the units of its axes: none for a torus, else as many as reach [`FASTEST`] or all
-    /// momenta of a section. Angles then repeat across it.
+    /// Returns the number of doublings that enlarge the lattice, a square from −π to π, to cover
+    /// the plane in the units of its axes. The number is 0 for a torus, and otherwise just enough
+    /// to reach [`FASTEST`] or all momenta of a section; angles then repeat within the lattice.
     pub fn lattice_doublings(&self, build: &PendulumSpec) -> u32 {
         if self.is_torus() {
             return 0;
@@ -221,13 +222,13 @@ impl Plane {
         Ok(())
     }
 
-    /// The start at a position, rad, rad/s or kg m²/s; none where a section has no real solution.
-    /// `pendulum` is in SI units.
+    /// Returns the start at a position in rad, rad/s or kg m²/s, or `None` where a section has no
+    /// real solution. `pendulum` is in SI units.
     pub fn launch(&self, pendulum: &Pendulum<Dd>, at: [Dd; 2]) -> Option<Launch> {
         self.numbers().launch(pendulum, at)
     }
 
-    /// The numbers of the plane.
+    /// Returns the numbers of the plane.
     pub(super) fn numbers(&self) -> PlaneNumbers {
         PlaneNumbers {
             kind: self.kind,
@@ -245,14 +246,14 @@ pub(super) struct PlaneNumbers {
     kind: PlaneKind,
     /// The quantities across and up.
     pub axes: [Axis; 2],
-    /// True if it is the torus of both angles, with pendulums released from rest.
+    /// True if the plane is the torus of both angles, with pendulums released from rest.
     pub is_at_rest: bool,
     origin: [Dd; 4],
     energy: Dd,
 }
 
 impl PlaneNumbers {
-    /// The start at a position (see [`Plane::launch`]).
+    /// Returns the start at a position (see [`Plane::launch`]).
     pub(super) fn launch(&self, pendulum: &Pendulum<Dd>, at: [Dd; 2]) -> Option<Launch> {
         if self.kind == PlaneKind::Section {
             return self.on_section(pendulum, at);
@@ -265,14 +266,14 @@ impl PlaneNumbers {
         Some(Launch { angle: [theta1, theta2].map(wrapped), speed: [omega1, omega2] })
     }
 
-    /// The start where θ1 = 0 and ω1 > 0 with the section's energy.
+    /// Returns the start where θ1 = 0 and ω1 > 0 with the section's energy.
     fn on_section(&self, pendulum: &Pendulum<Dd>, [theta2, p2]: [Dd; 2]) -> Option<Launch> {
         let speed = speeds_on_section(pendulum, self.energy, theta2, p2)?;
         Some(Launch { angle: [Dd::new(0.0), wrapped(theta2)], speed })
     }
 }
 
-/// Both speeds where θ1 = 0 and ω1 > 0 at an energy, if there is a real solution.
+/// Returns both speeds where θ1 = 0 and ω1 > 0 at an energy, if there is a real solution.
 pub(super) fn speeds_on_section<T: Scalar>(
     pendulum: &Pendulum<T>,
     energy: T,
@@ -288,8 +289,9 @@ pub(super) fn speeds_on_section<T: Scalar>(
     Some([omega1, omega2_beside(pendulum, omega1, direction.1, p2)])
 }
 
-/// The square of ω1 where θ1 = 0: of ½A ω1² + ½B ω2² + C c ω1 ω2 = K and p2 = C c ω1 + B ω2 follows
-/// ω1² = (2BK − p2²) / (AB − C² c²). The direction of θ2 is its sine and cosine.
+/// Returns ω1² where θ1 = 0, for a direction of θ2 given as its sine and its cosine c. The
+/// equations ½A ω1² + ½B ω2² + C c ω1 ω2 = K and p2 = C c ω1 + B ω2 yield ω1² = (2BK − p2²) / (AB −
+/// C² c²).
 pub(super) fn square_of_omega1<T: Real>(
     pendulum: &Pendulum<T>,
     energy: T,
@@ -301,19 +303,19 @@ pub(super) fn square_of_omega1<T: Real>(
     (b * kinetic + b * kinetic - p2 * p2) / (least_det + c * c * sin * sin)
 }
 
-/// The speed of the second bob beside that of the first, where θ1 = 0; `cos` is that of θ2.
+/// Returns ω2 for a given ω1 where θ1 = 0; `cos` is the cosine of θ2.
 pub(super) fn omega2_beside<T: Real>(pendulum: &Pendulum<T>, omega1: T, cos: T, p2: T) -> T {
     (p2 - pendulum.c * cos * omega1) / pendulum.b
 }
 
-/// Angular velocity in turns of the natural clock, 1/√(l1/g), up to which the lattice reaches.
+/// Largest angular velocity that the lattice reaches, in rad per natural unit of time √(l1/g).
 const FASTEST: f64 = 16.0;
-/// Largest number in an origin.
+/// Largest absolute value in an origin.
 const MOST: f64 = 1e6;
-/// Largest energy of a section, J.
+/// Largest absolute energy of a section, in J.
 const MAX_ENERGY: f64 = 1e12;
 
-/// An angle in (−π, π]. Within one turn there is nothing to wrap, and no rounding to fear.
+/// Wraps an angle to (−π, π]; an angle that is already there is returned without rounding.
 pub(super) fn wrapped(angle: Dd) -> Dd {
     if angle <= Dd::PI && angle > -Dd::PI { angle } else { angle.wrapped() }
 }

@@ -1,4 +1,4 @@
-//! The table of a scene that says what is asked of every start.
+//! The `[question]` table of a scene file: the question asked about every start.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +18,7 @@ pub struct QuestionSettings {
     pub rule: Rule,
     /// Simulated seconds that a pixel may use.
     pub budget: Budget,
-    /// Time of the answer in s, for questions about a moment; none for the end of the budget.
+    /// Time of the answer in s, for questions about a moment; `None` means the end of the budget.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<f64>,
     /// Number of the flip whose time is asked for, from 1.
@@ -43,14 +43,14 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 }
 
 impl QuestionSettings {
-    /// Largest number of a flip that can be asked for.
+    /// Largest allowed `count`.
     pub const MAX_COUNT: u32 = 1_000_000;
 
-    /// The questions that have a rule, as a phrase.
+    /// Error text for a rule given to a question that has none.
     pub(super) const RULE_IS_FOR: &str =
         "only the question flip has a rule: omit `rule`, or use `ask` flip";
 
-    /// Returns true if the question watches the bobs of the rule.
+    /// Returns true if the question watches the bobs chosen by the rule.
     pub(super) fn has_rule(&self) -> bool {
         self.ask.kind().watches == Watches::TheRule
     }
@@ -60,12 +60,12 @@ impl QuestionSettings {
         self.ask.watched(self.rule)
     }
 
-    /// Returns true if deep views are answered, by following cells of starts.
+    /// Returns true if deep views can be answered by following cells of starts.
     pub(crate) fn follows_cells(&self) -> bool {
         self.ask.kind().follows_cells && self.passes() == 1
     }
 
-    /// Indices of the bobs whose passes of the top an answer tells or counts.
+    /// Returns the indices of the bobs whose passes over the top the answer reports or counts.
     pub(crate) fn bobs_at_top(&self) -> &'static [usize] {
         match self.watched() {
             Rule::Neither if self.ask.kind().needs == Needs::End => Rule::Either.watched(),
@@ -73,12 +73,13 @@ impl QuestionSettings {
         }
     }
 
-    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.
+    /// Returns the number of passes over the top that ends a simulation, or [`u32::MAX`] if none
+    /// does.
     pub fn passes(&self) -> u32 {
         if self.ask.kind().has_count { self.count } else { self.ask.kind().passes }
     }
 
-    /// Simulated seconds after which a pendulum is followed no further.
+    /// Returns the simulated time in seconds at which integration stops.
     pub fn end_secs(&self) -> f64 {
         match self.at {
             Some(at) if self.ask.kind().at_a_time => at,
@@ -86,7 +87,7 @@ impl QuestionSettings {
         }
     }
 
-    /// Checks what belongs to this question; the budget is checked.
+    /// Checks the settings of this question; the budget must have been checked before.
     pub(super) fn check(&self) -> Result<(), SceneError> {
         let refuse = |setting, value: String, range: &'static str| {
             Err(SceneError::new(setting, value, range))

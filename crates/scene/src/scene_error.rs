@@ -1,12 +1,12 @@
-//! The refusal of a value of a scene.
+//! The error for an unusable value in a scene.
 
 use std::borrow::Cow;
 
-/// A number of a scene that cannot be used, with the range of those that can.
+/// A setting whose value cannot be used, with the allowed range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{setting}` is {value}; {range}")]
 pub struct SceneError {
-    /// The name of the setting: a key of a scene, an option of the command line.
+    /// Name of the setting: a key in a scene file or an option on the command line.
     pub setting: &'static str,
     /// The given value.
     pub value: String,
@@ -15,7 +15,7 @@ pub struct SceneError {
 }
 
 impl SceneError {
-    /// The refusal of a value, with the range of those that can be used.
+    /// Creates an error for a value, with the allowed range as a phrase.
     pub fn new(
         setting: &'static str,
         value: impl Into<String>,

@@ -1,8 +1,8 @@
-//! The starts from rest of an upright picture: θ1 is the same all along a column, and θ2 along a row.
+//! Starts from rest in an upright picture: θ1 is constant along a column, and θ2 along a row.
 //!
-//! So the energy of a start is a sum of two numbers that are known beforehand, and a device needs the
-//! angles of columns and rows alone. Where a start needs more than its energy in f64 to be judged,
-//! [`Grid::fate`] does it.
+//! The energy of a start is then the sum of one number for its column and one for its row, and a
+//! device needs only the angles of columns and rows. Where the energy in f64 does not decide
+//! whether a start can flip, [`Grid::fate`] does.
 
 use std::ops::Range;
 
@@ -15,20 +15,20 @@ use flipmap_pendulum::opening::from_top;
 /// The angles of some columns and rows of an upright grid.
 #[derive(Clone, Debug)]
 pub struct SeparableGrid {
-    /// Angles of the columns and of the rows (rad, within [−π, π]).
+    /// Angles of the columns and of the rows, in rad within [−π, π].
     pub angles: [Vec<Dd>; 2],
-    /// Parts of the depth of a start in the forbidden region, by its column and by its row; NaN near
-    /// the top and where an angle depends on the other coordinate.
+    /// Contributions of each column and each row to a start's depth in the forbidden region; NaN
+    /// near the top and at an angle of 0.
     depths: [Vec<f64>; 2],
-    /// Depth from which its sign is sure.
+    /// Depth in J beyond which the sign of a depth in f64 is certain.
     sure: f64,
     /// True if energy forbids every flip.
     is_never: bool,
 }
 
 impl Grid {
-    /// The angles of some columns and rows, where each is the same for a whole column or row, and
-    /// energy may forbid flips.
+    /// Returns the angles of some columns and rows, or `None` if the grid is turned, has moving
+    /// starts or watches no bob.
     pub fn upright(&self, columns: Range<u32>, rows: Range<u32>) -> Option<SeparableGrid> {
         let zero = Dd::new(0.0);
         let [right, up] = self.axes_rad();
@@ -63,14 +63,14 @@ impl Grid {
 }
 
 impl SeparableGrid {
-    /// Returns true if energy forbids the flip of a start, by its column and row among these; none where
-    /// that is not sure, or not all that decides.
+    /// Returns `Some(true)` if energy forbids a flip of the start at these indices into
+    /// [`SeparableGrid::angles`], and `None` if its energy in f64 does not decide.
     pub fn is_forbidden(&self, column: usize, row: usize) -> Option<bool> {
         let depth = self.depths[0][column] + self.depths[1][row];
         (depth.abs() > self.sure).then_some(self.is_never || depth > 0.0)
     }
 
-    /// The angles of a start, by its column and row among these.
+    /// Returns the angles of the start at these indices into [`SeparableGrid::angles`].
     pub fn angle(&self, column: usize, row: usize) -> [Dd; 2] {
         [self.angles[0][column], self.angles[1][row]]
     }

@@ -8,27 +8,27 @@ use super::exact_length::exactly;
 use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError};
 use flipmap_numbers::{Dd, Exact, Scalar};
 
-/// Smallest width of a view in rad.
+/// Smallest width of a view, in the unit of the horizontal axis.
 pub const MIN_WIDTH: f64 = 1e-100;
 
-/// Largest error of a centre that stands for π, as a share of the view's width.
+/// Largest deviation from π at which a centre counts as π, as a share of the view's width.
 const MAX_PI_ERROR: f64 = 1e-15;
 
-/// A centre, a width, and the way the picture lies on the plane. Coordinates are decimal strings,
-/// so that no digit is lost between a file and the arithmetic.
+/// A centre, a width, a rotation and a stretch. Coordinates are decimal strings, so that no digit
+/// is lost between a file and the arithmetic.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct View {
-    /// Centre (θ1, θ2) in rad.
+    /// Centre in the units of the plane's axes: (θ1, θ2) in rad on the default plane.
     #[serde(deserialize_with = "exactly")]
     pub center: [String; 2],
-    /// Length of the horizontal axis in rad; pixels are square.
+    /// Length of the horizontal axis in its unit; pixels are square.
     pub width: String,
     /// Angle by which the picture's horizontal axis is turned anticlockwise, in degrees.
     pub rotate: f64,
-    /// Factor by which the vertical axis shows fewer radians than square pixels would.
+    /// Vertical magnification relative to square pixels.
     pub stretch: f64,
-    /// True if `width` is to fit into pictures of any shape: it is the length of both axes at least.
+    /// True if both axes span at least `width` in pictures of any shape.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub fit: bool,
 }
@@ -45,7 +45,7 @@ impl Default for View {
     }
 }
 
-/// The first characters of a text that may be absurdly long, with an ellipsis for the rest.
+/// Returns the first [`SHOWN`] characters of a text, with an ellipsis if there are more.
 fn shortened(text: &str) -> String {
     let mut first: String = text.chars().take(SHOWN).collect();
     if first.len() < text.len() {
@@ -54,11 +54,12 @@ fn shortened(text: &str) -> String {
     first
 }
 
-/// Number of characters shown of a refused coordinate.
+/// Number of characters of a refused coordinate that are shown.
 const SHOWN: usize = 60;
 
 impl View {
-    /// The view of a plane that is shown first: the home scene's, or the middle of another plane.
+    /// Returns the first view of a plane: the home scene's view for the plane of angles, and the
+    /// default view for any other.
     pub fn home_of(plane: &Plane) -> Self {
         match plane.kind {
             PlaneKind::ANGLES => BuiltIn::home().document().view,
@@ -88,8 +89,9 @@ impl View {
         refuse_unless(stretch, "stretch", &self.stretch.to_string(), range)
     }
 
-    /// The centre in rad; call [`View::check`] first. A coordinate that differs from ±π only in its
-    /// last digits, far below a pixel, counts as exactly ±π, so that symmetry is detected.
+    /// Returns the centre in the units of the axes; call [`View::check`] first. A coordinate that
+    /// differs from ±π only in its last digits, far below a pixel, counts as exactly ±π, so that
+    /// symmetry is detected.
     pub fn center_rad(&self) -> [Exact; 2] {
         let error_rad = MAX_PI_ERROR * self.width_rad().hi;
         self.center.each_ref().map(|text| {
@@ -99,14 +101,14 @@ impl View {
         })
     }
 
-    /// The width in rad; call [`View::check`] first.
+    /// Returns the width in the unit of the horizontal axis; call [`View::check`] first.
     pub fn width_rad(&self) -> Dd {
         Dd::parse(&self.width).unwrap_or(Dd::TAU)
     }
 
-    /// The same view in a picture of this width and height, no longer one that fits into any: where
-    /// `width` would not fit into the height, the picture is as much wider. The width stays the text
-    /// that it was wherever it can.
+    /// Returns the view for a picture of this width and height, with `fit` cleared. If the vertical
+    /// axis would span less than `width`, the width grows until it spans that much; otherwise the
+    /// width's text stays unchanged.
     #[must_use]
     pub fn fitted(&self, [width, height]: [f64; 2]) -> Self {
         let wider = width * self.stretch / height;
@@ -120,8 +122,8 @@ impl View {
         View { width: fitted.decimal(decimals), ..view }
     }
 
-    /// True if the picture maps onto itself under (θ1, θ2) → (−θ1, −θ2), pixel by pixel: it is
-    /// centred on a fixed point, 0 or, for coordinates that repeat, π.
+    /// Returns true if (θ1, θ2) → (−θ1, −θ2) maps the picture onto itself, pixel by pixel: its
+    /// centre is a fixed point, which is 0 or, for coordinates that repeat, π.
     pub(crate) fn is_symmetric(&self, wraps: [bool; 2]) -> bool {
         let fixed =
             |theta: Exact, wraps| theta == Exact::ZERO || wraps && theta.abs() == Exact::pi();

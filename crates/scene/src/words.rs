@@ -1,4 +1,5 @@
-//! The settings of a scene as text: `rule` as an option, a key, or in a location as `rule=either`.
+//! The settings of a scene as text: in options, in keys of files, and in locations such as
+//! `rule=either`.
 
 use super::{Axis, Kind, Plane, PlaneKind, QuestionSettings, Scene, SceneError};
 use crate::question::QuestionName;
@@ -45,8 +46,8 @@ pub enum Setting {
 }
 
 impl Scene {
-    /// Sets words of the scene and checks the result. A rule for a question that has none is refused,
-    /// and so are an energy, an origin and an automatic budget where these have no effect.
+    /// Sets settings of the scene from text and checks the result. Refuses a rule, an energy, an
+    /// origin or an automatic budget where it has no effect.
     pub fn with_words<'a>(
         mut self,
         words: impl IntoIterator<Item = (Setting, &'a str)>,
@@ -61,7 +62,7 @@ impl Scene {
         self.checked()
     }
 
-    /// The reason why a word has no effect on this scene, if it has none.
+    /// Returns the reason why a setting has no effect on this scene, or `None` if it has an effect.
     fn without_effect(&self, word: Setting) -> Option<&'static str> {
         let is_section = self.plane.kind == PlaneKind::Section;
         match word {
@@ -77,8 +78,8 @@ impl Scene {
     }
 }
 
-/// Sets words of a scene. Question and plane come first: they leave out what only earlier ones have,
-/// and the plane decides the units of its coordinates.
+/// Sets settings of a scene from text. The question and the plane come first, because they reset
+/// values that they do not use, and the plane decides the units of its coordinates.
 pub(super) fn set_all(scene: &mut Scene, words: &[(Setting, &str)]) -> Result<(), SceneError> {
     let (kinds, others): (Vec<_>, Vec<_>) =
         words.iter().partition(|(word, _)| matches!(word, Setting::Ask | Setting::Plane));
@@ -95,7 +96,7 @@ const END_OF_BUDGET: &str = "budget";
 const WIDE_PAIR: &str = "it must be two numbers between 1e-9 and 1e9 with a comma between them";
 
 impl Setting {
-    /// Every word with its name: the view first, then the question and the pendulum.
+    /// Every setting with its name: the view first, then the question and the pendulum.
     pub const ALL: [(&'static str, Setting); 17] = [
         ("center", Setting::Center),
         ("width", Setting::Width),
@@ -116,12 +117,12 @@ impl Setting {
         ("energy", Setting::Energy),
     ];
 
-    /// The word's name.
+    /// Returns the setting's name.
     pub fn setting(self) -> &'static str {
         Self::ALL[self as usize].0
     }
 
-    /// Sets this word of a scene from `text`; [`Scene::checked`] checks the ranges.
+    /// Sets this setting of a scene from `text`; [`Scene::checked`] checks the ranges.
     pub(crate) fn set(self, scene: &mut Scene, text: &str) -> Result<(), SceneError> {
         self.apply(scene, text.trim())
             .map_err(|range| SceneError::new(self.setting(), format!("'{text}'"), range))
@@ -185,7 +186,7 @@ impl Setting {
         Ok(())
     }
 
-    /// The value of the word as text, which [`Setting::set`] reads back.
+    /// Returns the setting's value as text, which [`Setting::set`] reads back.
     pub fn text(self, scene: &Scene) -> String {
         let Scene { build, question, view, plane } = scene;
         let pair = |[first, second]: [Decimal; 2]| format!("{first},{second}");

@@ -1,4 +1,4 @@
-//! The colours of answers: a question's channels, one of them or two angles at once.
+//! The colours of answers, from one channel of a question or from several.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,7 +15,7 @@ pub struct AnswerColours {
     ground: Ground,
 }
 
-/// Number of passes in each natural unit of time beyond which colours stay the same.
+/// Passes of the top per natural unit of time at which the palette ends.
 const MAX_PASSES_PER_UNIT: f64 = 0.4;
 
 /// The way in which the channels become a colour.
@@ -23,23 +23,23 @@ const MAX_PASSES_PER_UNIT: f64 = 0.4;
 pub(super) enum Way {
     /// A channel of times.
     Times(usize, Tones),
-    /// An angle, once round a palette whose end is its beginning.
+    /// An angle, which runs once through a cyclic palette.
     Angle(usize, Palette),
     /// A channel between two values.
     Between(usize, [f64; 2], Palette),
     /// Two angles at once.
     Torus,
-    /// A channel of whole numbers, with the values at the ends of the palette.
+    /// A channel of whole numbers, with the numbers at the ends of the palette.
     Whole(usize, [f64; 2], WholeNumbers, Palette),
-    /// The sum of all channels, from 0 to a number.
+    /// The sum of all channels, from 0 to this number.
     Counts(f64, Palette),
-    /// The kinetic share of this pendulum's energy above hanging.
+    /// The kinetic share of this pendulum's energy, measured from hanging at rest.
     EnergySplit(Pendulum<f64>, Palette),
 }
 
 impl AnswerColours {
-    /// The colours of a checked scene's answers: of the picture's channel, or of the channel or
-    /// channels by which its question is known.
+    /// Returns the colours of a checked scene's answers: those of the picture's channel if it has
+    /// one, or else those natural to the question.
     pub fn new(scene: &Scene, picture: &PictureTable) -> Result<Self, SceneError> {
         let ask = scene.question.ask;
         let painted = match picture.shown(ask)? {
@@ -62,7 +62,7 @@ impl AnswerColours {
         Ok(AnswerColours { way, ground: Ground::of(picture)? })
     }
 
-    /// The colours of one channel.
+    /// Returns the colours of one channel.
     fn of_channel(
         scene: &Scene,
         picture: &PictureTable,
@@ -100,12 +100,12 @@ impl AnswerColours {
         Ok(AnswerColours { way, ground: Ground::of(picture)? })
     }
 
-    /// The colours beside those of answers.
+    /// Returns the colours of pixels without an answer and of the energy curve.
     pub fn ground(&self) -> Ground {
         self.ground
     }
 
-    /// The channel and the tones of times, if these are what is painted.
+    /// Returns the channel and the tones of times, if the colours show times.
     pub fn times(&self) -> Option<(usize, &Tones)> {
         match &self.way {
             Way::Times(channel, tones) => Some((*channel, tones)),
@@ -113,12 +113,12 @@ impl AnswerColours {
         }
     }
 
-    /// The nearest colour of eight bits a channel of a sample.
+    /// Returns the colour of a sample, rounded to eight bits per channel.
     pub fn colour(&self, status: Status, values: &[f64]) -> Rgb {
         rounded(self.tint(status, values))
     }
 
-    /// The colour of a sample.
+    /// Returns the colour of a sample, not rounded.
     pub fn tint(&self, status: Status, values: &[f64]) -> Tint {
         match status {
             Status::Answered => self.of_values(values),
@@ -143,8 +143,8 @@ impl AnswerColours {
     }
 }
 
-/// The kinetic share, from 0 to 1, of the energy above hanging: values are angles in rad and speeds
-/// in rad/s.
+/// Returns the kinetic share, from 0 to 1, of the energy above hanging at rest. Values are angles
+/// in rad and speeds in rad/s.
 fn kinetic_share(pendulum: &Pendulum<f64>, values: &[f64]) -> f64 {
     let (angle, speed) = ([values[0], values[1]], [values[2], values[3]]);
     let potential = pendulum.energy(&State::rest(angle));
@@ -152,16 +152,16 @@ fn kinetic_share(pendulum: &Pendulum<f64>, values: &[f64]) -> f64 {
     (all - potential) / (all + pendulum.p + pendulum.q).max(f64::MIN_POSITIVE)
 }
 
-/// The picture's palette, or another one where it has the default.
+/// Returns the picture's palette, or the palette `other` if nobody has chosen one.
 fn palette_or(picture: &PictureTable, other: &str) -> Result<Palette, SceneError> {
     let is_unchosen = Palette::is_unchosen(&picture.palette);
     Palette::named(if is_unchosen { other } else { &picture.palette })
 }
 
-/// The colour of two angles: θ1 goes once round the hues, and θ2 round a circle of lightness and
-/// chroma, so that every pair has a colour of its own, with no seam at ±π. In Oklab (Ottosson, *A
-/// perceptual color space for image processing*, 2020). Lightness alone shows |θ2|, whatever
-/// colours an eye can see.
+/// Returns the colour of two angles. In Oklab (Ottosson, *A perceptual color space for image
+/// processing*, 2020), θ1 goes once around the hues, and θ2 once around a circle of lightness and
+/// chroma. Every pair has a colour of its own, without a seam at ±π. Lightness alone shows |θ2|,
+/// even to colour-blind people.
 pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Tint {
     let (sin2, cos2) = theta2.sin_cos();
     let lightness = 0.63 - 0.2 * cos2;
@@ -170,7 +170,7 @@ pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Tint {
     from_oklab([lightness, chroma * cos1, chroma * sin1])
 }
 
-/// Converts Oklab to sRGB; what lies outside is clipped.
+/// Converts Oklab to sRGB, and clips colours outside its gamut.
 fn from_oklab([lightness, a, b]: [f64; 3]) -> Tint {
     let cube = |x: f64| x * x * x;
     let l = cube(lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b);

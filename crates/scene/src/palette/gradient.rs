@@ -1,37 +1,38 @@
-//! Gradients of one's own: lists of colours in scenes and options, and the files of other programs.
+//! Custom gradients: lists of colours in scenes and options, and gradient files of other programs.
 
 use super::Rgb;
 
-/// Number of colours that a list can have.
+/// Allowed number of colours in a list.
 pub const STOPS: std::ops::RangeInclusive<usize> = 2..=256;
-/// Endings of the names of gradient files: Fractint's maps, Ultra Fractal's gradients, GIMP's palettes.
+/// File name extensions of gradients: Fractint's maps, Ultra Fractal's gradients and GIMP's
+/// palettes.
 pub const ENDINGS: [&str; 3] = ["map", "ugr", "gpl"];
-/// Colours in a table that is made from a gradient.
+/// Number of colours in a table that is made from a gradient.
 const TABLE: usize = 256;
-/// Length of Ultra Fractal's gradients, whose end is their beginning.
+/// Length of Ultra Fractal's gradients, which are cyclic, in index steps.
 const UGR_LENGTH: f64 = 400.0;
 
-/// The colours of a list such as `#000000,#ff8000,#ffffff`, from early to late and evenly spaced.
+/// Reads a list of colours such as `#000000,#ff8000,#ffffff`, evenly spaced from early to late.
 pub fn parse_list(text: &str) -> Option<Vec<Rgb>> {
     let stops: Option<Vec<Rgb>> =
         text.split(',').map(|stop| super::parse_colour(stop.trim())).collect();
     stops.filter(|stops| STOPS.contains(&stops.len()))
 }
 
-/// The list of colours that [`parse_list`] reads.
+/// Formats colours as a list that [`parse_list`] reads.
 pub fn list_text(stops: &[Rgb]) -> String {
     stops.iter().map(|[r, g, b]| format!("#{r:02x}{g:02x}{b:02x}")).collect::<Vec<_>>().join(",")
 }
 
-/// A table of evenly spaced stops with the colours between them.
+/// Interpolates evenly spaced stops to a table of colours.
 pub(super) fn table(stops: &[Rgb]) -> Vec<Rgb> {
     let last = (stops.len() - 1) as f64;
     let at = |k: usize| k as f64 / (TABLE - 1) as f64 * last;
     (0..TABLE).map(|k| between(stops, at(k))).collect()
 }
 
-/// The colour at a place among stops 1 apart, mixed as the numbers of sRGB, as the programs mix them
-/// from which such gradients come.
+/// Returns the colour at `place` among stops spaced 1 apart. It interpolates sRGB values, as do the
+/// programs that such gradients come from.
 fn between(stops: &[Rgb], place: f64) -> Rgb {
     let first = (place.floor() as usize).min(stops.len() - 1);
     let next = (first + 1).min(stops.len() - 1);
@@ -42,8 +43,8 @@ fn mixed(a: Rgb, b: Rgb, share: f64) -> Rgb {
     [0, 1, 2].map(|i| (f64::from(a[i]) * (1.0 - share) + f64::from(b[i]) * share).round() as u8)
 }
 
-/// The colours of a gradient file with this ending of its name (see [`ENDINGS`]); the first gradient of
-/// a file with several. The error says what is missing.
+/// Reads the colours of a gradient file with this extension (see [`ENDINGS`]), and only the first
+/// gradient if it has several. The error says what is missing.
 pub fn parse_file(ending: &str, text: &str) -> Result<Vec<Rgb>, &'static str> {
     match ending {
         "map" => few(rows(text.lines())),
@@ -58,7 +59,7 @@ pub fn parse_file(ending: &str, text: &str) -> Result<Vec<Rgb>, &'static str> {
     }
 }
 
-/// The colours of lines that begin with three numbers from 0 to 255.
+/// Reads the colours of those lines that begin with three numbers from 0 to 255.
 fn rows<'a>(lines: impl Iterator<Item = &'a str>) -> Vec<Rgb> {
     let row = |line: &str| {
         let mut words = line.split_whitespace();
@@ -78,7 +79,8 @@ fn few(stops: Vec<Rgb>) -> Result<Vec<Rgb>, &'static str> {
     }
 }
 
-/// Ultra Fractal's `index=0 color=16777215` pairs, blue in the high bits, sampled all the way round.
+/// Reads Ultra Fractal's pairs such as `index=0 color=16777215`, with blue in the high bits, and
+/// samples one full cycle.
 fn ugr(text: &str) -> Result<Vec<Rgb>, &'static str> {
     let section = text.split("gradient:").nth(1).ok_or("it has no section 'gradient:'")?;
     let section = section.split(['}', '\u{0}']).next().unwrap_or_default();
@@ -99,7 +101,8 @@ fn ugr(text: &str) -> Result<Vec<Rgb>, &'static str> {
     let (Some(&first), Some(&last)) = (stops.first(), stops.last()) else {
         return Err("its gradient has no colours");
     };
-    // Once more round on both sides, since the end is the beginning.
+    // The gradient is cyclic: the last stop also precedes the first, and the first follows the
+    // last.
     stops.insert(0, (last.0 - UGR_LENGTH, last.1));
     stops.push((first.0 + UGR_LENGTH, first.1));
     let at = |place: f64| {

@@ -1,11 +1,11 @@
-//! Colours of what has no place in a palette: pixels without an answer, and the energy curve.
+//! Colours outside the palette: those of pixels without an answer and of the energy curve.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Palette, Rgb, parse_colour};
 use crate::{PictureTable, SceneError};
 
-/// Colours beside those of a palette.
+/// Colours used in addition to those of a palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ground {
     /// Colour of starts that did not flip within the budget, or have no answer.
@@ -17,14 +17,14 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// White and grey, for palettes that begin dark and have no end in white.
+    /// White and grey, for palettes that begin dark and do not end in white.
     pub const LIGHT: Ground =
         Ground { unflipped: [0xff; 3], forbidden: [0xb8, 0xbc, 0xc0], curve: [0; 3] };
-    /// Nearly black, for a palette that glows.
+    /// Nearly black, for the default palette and lists of colours.
     pub const DARK: Ground =
         Ground { unflipped: [9, 10, 14], forbidden: [38, 40, 46], curve: [0xc8, 0xcc, 0xd8] };
 
-    /// The colours of a checked picture: its own, or those that suit its palette.
+    /// Returns the picture's own colours, or those that suit its palette where it has none.
     pub fn of(picture: &PictureTable) -> Result<Self, SceneError> {
         let suited = Palette::named(&picture.palette)?.ground;
         let own = &picture.colours;
@@ -40,8 +40,8 @@ impl Ground {
     }
 }
 
-/// The table `[picture.colours]` of a scene's file: colours as `#rrggbb`, none for those that suit
-/// the palette.
+/// The table `[picture.colours]` of a scene file: colours as `#rrggbb`, or `None` for the colour
+/// that suits the palette.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GroundTable {
@@ -56,7 +56,7 @@ pub struct GroundTable {
     pub curve: Option<String>,
 }
 
-/// The form of `colours`.
+/// Error text that shows the form of `colours`.
 const FORM: &str =
     "it must be unflipped, forbidden or curve with a colour, as in unflipped=#101018,curve=#ffffff";
 
@@ -86,7 +86,7 @@ fn colour(text: &str) -> Result<Rgb, SceneError> {
     })
 }
 
-/// A colour as `#rrggbb`.
+/// Formats a colour as `#rrggbb`.
 pub fn colour_text([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }

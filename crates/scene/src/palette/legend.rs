@@ -1,4 +1,4 @@
-//! The meaning of the colours of answers: a bar of one quantity, or a square of two angles.
+//! Legends of the colours of answers: a bar for one quantity, or a square for two angles.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,29 +16,29 @@ pub struct LegendTitle {
     pub unit: &'static str,
 }
 
-/// The labels at the beginning, the quarters and the end of a bar, with as many digits as tell them
-/// apart. Where these would be too many, the labels are differences.
+/// Labels at the start, the quarters and the end of a bar, with just enough digits to differ from
+/// each other. If that takes too many digits, the labels are differences from the first value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BarLabels {
-    /// The value from which the labels differ, if they are differences.
+    /// The value that is subtracted from the others, if the labels are differences.
     pub from: Option<String>,
     /// The labels, without the unit.
     pub values: [String; 5],
 }
 
 impl AnswerColours {
-    /// Returns true if two angles make a colour, so that a square shows them all: θ1 across and θ2
-    /// up, from −π to π.
+    /// Returns true if each colour shows two angles. The legend is then a square with θ1 across and
+    /// θ2 up, from −π to π.
     pub fn is_square(&self) -> bool {
         self.way == Way::Torus
     }
 
-    /// The colour at a place of the square, each from 0 to 1.
+    /// Returns the colour at a place in the square, with both coordinates from 0 to 1.
     pub fn colour_in_square(&self, place: [f64; 2]) -> Rgb {
         rounded(torus(place.map(|share| TAU * share - PI)))
     }
 
-    /// The colour at a share of the bar, from 0 to 1.
+    /// Returns the colour at a share of the bar, from 0 to 1.
     pub fn colour_along(&self, share: f64) -> Rgb {
         let value = self.value_along(share);
         match &self.way {
@@ -52,7 +52,8 @@ impl AnswerColours {
         }
     }
 
-    /// The value at a share of the bar, from 0 to 1, in the unit of [`AnswerColours::title`].
+    /// Returns the value at a share of the bar, from 0 to 1, in the unit of
+    /// [`AnswerColours::title`].
     pub fn value_along(&self, share: f64) -> f64 {
         if let Some(numbers) = self.whole_numbers() {
             return numbers.at(share) as f64;
@@ -68,7 +69,7 @@ impl AnswerColours {
         }
     }
 
-    /// The whole numbers along the bar, if it has no other values.
+    /// Returns the whole numbers along the bar, or `None` if its values are continuous.
     fn whole_numbers(&self) -> Option<WholeNumbers> {
         match self.way {
             Way::Whole(_, _, numbers, _) => Some(numbers),
@@ -77,18 +78,18 @@ impl AnswerColours {
         }
     }
 
-    /// Places from 0 to 1, and labels, of the steps of a bar that is so many letters long; none if its
-    /// colours are continuous.
+    /// Returns the places (0 to 1) and labels of the steps of a bar `letters` letters long, or
+    /// `None` if its colours are continuous.
     pub fn step_labels(&self, letters: f64) -> Option<Vec<(f64, String)>> {
         Some(self.whole_numbers()?.labels(letters))
     }
 
-    /// The labels of the bar.
+    /// Returns the labels of the bar.
     pub fn bar_labels(&self) -> BarLabels {
         labels([0.0, 0.25, 0.5, 0.75, 1.0].map(|share| self.value_along(share)))
     }
 
-    /// The quantity along the bar in the answers to a question.
+    /// Returns the name and unit of the quantity along the bar.
     pub fn title(&self, ask: QuestionName) -> LegendTitle {
         let channels = ask.kind().channels;
         match self.way {
@@ -120,7 +121,7 @@ fn labels(values: [f64; 5]) -> BarLabels {
     BarLabels { from: Some(digits(from, 13)), values: differences }
 }
 
-/// Formats a value to so many significant digits.
+/// Formats a value to `count` significant digits.
 fn digits(value: f64, count: i32) -> String {
     if value == 0.0 {
         return "0".to_string();

@@ -1,4 +1,4 @@
-//! Colours of samples. The tables are data in `assets/palettes`; nothing here computes flips.
+//! Colours of samples. The palettes are data in `assets/palettes`.
 
 mod answers;
 pub mod gradient;
@@ -23,21 +23,21 @@ use super::SceneError;
 /// An opaque sRGB colour.
 pub type Rgb = [u8; 3];
 
-/// A colour between those of eight bits a channel: sRGB from 0 to 255, with fractions.
+/// An unrounded sRGB colour: channels from 0 to 255, with fractions.
 pub type Tint = [f32; 3];
 
-/// The nearest colour of eight bits a channel.
+/// Rounds a colour to eight bits per channel.
 pub fn rounded(tint: Tint) -> Rgb {
     tint.map(rounded_channel)
 }
 
-/// The nearest value of eight bits of a channel.
+/// Rounds a channel to eight bits.
 pub fn rounded_channel(channel: f32) -> u8 {
-    // As `round` but for the number just below a half; that is a call of a function on most machines.
+    // Equals `round` except just below one half; `round` is a function call on most machines.
     (channel + 0.5) as u8
 }
 
-/// A colour of eight bits a channel as a tint.
+/// Converts a colour to a tint.
 pub fn tint_of(colour: Rgb) -> Tint {
     colour.map(f32::from)
 }
@@ -47,19 +47,19 @@ pub fn tint_of(colour: Rgb) -> Tint {
 pub struct Palette {
     /// Name of the palette.
     pub name: &'static str,
-    /// Colours that suit it.
+    /// Colours outside the palette that suit it.
     pub ground: Ground,
     table: Vec<Tint>,
 }
 
-/// Largest difference of a channel between two colours whose seam no eye sees.
+/// Largest difference of a channel between two colours without a visible seam.
 const MAX_SEAM: f32 = 6.0;
 
 /// Colour of starts whose integration failed.
 pub const FAILED: Rgb = [0xff, 0x00, 0xff];
 
 impl Palette {
-    /// A line about each palette: its name, its source and its licence.
+    /// Returns a line about each palette: its name, its source and its licence.
     pub fn notes() -> impl Iterator<Item = String> {
         PALETTES.iter().map(|(_, text)| {
             let lines = text.lines().map_while(|line| line.strip_prefix("# "));
@@ -67,17 +67,18 @@ impl Palette {
         })
     }
 
-    /// Name of the palette that is used where none is chosen.
+    /// Name of the palette that is used if none is chosen.
     pub(crate) const DEFAULT: &str = "iris";
-    /// Name of the palette that pictures of the first versions record where none was chosen.
+    /// Name of the default palette in the first versions, which pictures from then record.
     const FIRST_DEFAULT: &str = "batlow";
-    /// Name of a palette whose end is its beginning.
+    /// Name of a cyclic palette.
     pub const CYCLIC: &str = "romao";
 
     /// Name of a palette from dark to bright.
     pub(crate) const DARK_TO_BRIGHT: &str = "magma";
 
-    /// The palette called `name`, or that of a list of colours (see [`gradient::parse_list`]).
+    /// Returns the palette called `name`, or the palette of a list of colours (see
+    /// [`gradient::parse_list`]).
     pub fn named(name: &str) -> Result<Self, SceneError> {
         if name.starts_with('#') {
             return Self::of_list(name);
@@ -105,13 +106,13 @@ impl Palette {
         Ok(Palette { name: "custom", ground: Ground::DARK, table })
     }
 
-    /// Returns true if a picture's palette need not have been chosen by anyone, so that answers with
-    /// natural colours of their own have these.
+    /// Returns true if `name` is a default palette. Answers that have natural colours of their own
+    /// then use those.
     pub fn is_unchosen(name: &str) -> bool {
         [Self::DEFAULT, Self::FIRST_DEFAULT].contains(&name)
     }
 
-    /// Returns true if a palette ends as it begins, so that it can follow itself without a seam.
+    /// Returns true if a palette ends as it begins, so that it can repeat without a seam.
     pub fn is_cyclic(name: &str) -> bool {
         let ends = |palette: Palette| {
             palette.table[0].into_iter().zip(palette.table[palette.table.len() - 1])
@@ -120,15 +121,16 @@ impl Palette {
         Palette::named(name).is_ok_and(|palette| ends(palette).all(is_near))
     }
 
-    /// The names of all palettes.
+    /// Returns the names of all palettes.
     pub fn names() -> impl Iterator<Item = &'static str> {
         PALETTES.iter().map(|(name, _)| *name)
     }
 
-    /// The colour at `position` in [0, 1], from early to late, mixed from the two nearest entries.
+    /// Returns the colour at `position` in [0, 1], from early to late, interpolated between the two
+    /// nearest entries.
     pub(crate) fn tint(&self, position: f64) -> Tint {
         let last = self.table.len() - 1;
-        // A NaN has the first colour.
+        // A NaN gets the first colour.
         let place = if position > 0.0 { position.min(1.0) * last as f64 } else { 0.0 };
         let first = (place as usize).min(last - 1);
         let share = (place - first as f64) as f32;
@@ -136,7 +138,7 @@ impl Palette {
         [0, 1, 2].map(|i| from[i] + (to[i] - from[i]) * share)
     }
 
-    /// The nearest colour of eight bits a channel at `position` in [0, 1].
+    /// Returns the colour at `position` in [0, 1], rounded to eight bits per channel.
     pub fn colour(&self, position: f64) -> Rgb {
         rounded(self.tint(position))
     }
@@ -158,15 +160,14 @@ pub fn encoded(linear: f64) -> u8 {
     channel_of(linear).round() as u8
 }
 
-/// Converts linear light to a channel of a tint: the inverse of [`light_of`]; what lies outside is
-/// clipped.
+/// Converts linear light to a channel of a tint, clipped to its range; the inverse of [`light_of`].
 pub fn channel_of(linear: f64) -> f32 {
     let c =
         if linear <= 0.0031308 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     (c * 255.0).clamp(0.0, 255.0) as f32
 }
 
-/// [`light`] of every channel value, scaled so that full light is 65535.
+/// Returns [`light`] of every channel value, scaled so that full light is 65535.
 pub fn light_table() -> [u16; 256] {
     std::array::from_fn(|channel| (light(channel as u8) * 65535.0).round() as u16)
 }

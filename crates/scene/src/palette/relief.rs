@@ -1,28 +1,28 @@
-//! Light from the side on a landscape whose height is the time, as far as it is smooth.
+//! Shading by light from the side, on a landscape whose height is the time. Edges stay unshaded.
 
 use crate::PictureTable;
 
-/// Light on slopes.
+/// A light from the side that shades slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Relief {
     /// Share of the light that comes from the side, from 0 to 1.
     pub strength: f32,
-    /// Direction to the light: to the right, up the picture, and out of it.
+    /// Unit vector towards the light: to the right, up the picture, and out of it.
     pub toward: [f32; 3],
 }
 
-/// Angle of the light above the picture, degrees.
+/// Angle of the light above the picture, in degrees.
 const ALTITUDE_DEG: f32 = 40.0;
 
 impl Relief {
-    /// Slope of a plane that rises from the first height to the last across the picture. Sets how
-    /// steep everything looks.
+    /// Slope of a plane that rises from height 0 to height 1 across the picture. Sets how steep
+    /// everything looks.
     pub const STEEPNESS: f32 = 0.6;
-    /// Difference of heights between neighbouring samples beyond which a place is an edge and is not
-    /// lit, because times there do not form a slope. Light fades towards it.
+    /// Difference of heights between neighbouring samples beyond which a place is an edge and is
+    /// not shaded, because times there do not form a slope. The shading fades out towards it.
     pub const EDGE: f32 = 0.05;
 
-    /// The light of a picture; none if it is flat.
+    /// Returns the light of a picture, or `None` if its relief is 0.
     pub fn of(picture: &PictureTable) -> Option<Self> {
         let (sin, cos) = ALTITUDE_DEG.to_radians().sin_cos();
         let (up, right) = (picture.light as f32).to_radians().sin_cos();
@@ -30,9 +30,10 @@ impl Relief {
         (picture.relief > 0.0).then_some(Relief { strength: picture.relief as f32, toward })
     }
 
-    /// The factor of the colour's light at a place whose height rises by this much from one sample to
-    /// the next, to the right and up the picture, and differs by at most `most` from its neighbours'.
-    /// `across` samples lie side by side in the picture. Counterpart in shaders/picture.wgsl.
+    /// Returns the factor on a colour's light at one sample. `rise` is the change of height from
+    /// one sample to the next, to the right and up the picture; `most` is the largest difference
+    /// from a neighbour's height; and `across` is the width of the picture in samples. Counterpart
+    /// in shaders/picture.wgsl.
     pub(crate) fn factor(&self, rise: [f32; 2], most: f32, across: f32) -> f32 {
         let calm = 1.0 - most / Self::EDGE;
         if calm.is_nan() || calm <= 0.0 {
@@ -45,9 +46,9 @@ impl Relief {
         1.0 + self.strength * calm * (facing.max(0.0) - 1.0)
     }
 
-    /// The factor of the light at a column of the middle one of three rows of heights, from the top;
-    /// the first and the last row of a picture have none above or below. Heights that are no numbers
-    /// are not lit, nor are their neighbours.
+    /// Returns the factor at `column` in the middle of three rows of heights, ordered from the top.
+    /// The row above the first and the row below the last row of a picture are `None`. Samples with
+    /// NaN heights are not shaded, nor are their neighbours.
     pub fn factor_beside(&self, [above, here, below]: [Option<&[f32]>; 3], column: usize) -> f32 {
         let Some(here) = here else { return 1.0 };
         let [left, right] = [column.saturating_sub(1), (column + 1).min(here.len() - 1)];
@@ -62,7 +63,7 @@ impl Relief {
     }
 }
 
-/// The largest difference of heights; NaN if one of them is.
+/// Returns the largest difference from a neighbour's height, or NaN if any height is NaN.
 fn most_apart(here: f32, beside: [f32; 4]) -> f32 {
     let apart = beside.map(|other| (other - here).abs());
     if apart.iter().any(|apart| apart.is_nan()) {

@@ -1,34 +1,35 @@
-//! Whole numbers along a legend's bar: each has a step of one colour, and as many labels as fit.
+//! Whole numbers along a legend's bar. Each has a step of one colour, and as many have labels as
+//! fit.
 
 /// The whole numbers along a bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct WholeNumbers {
     first: i64,
     last: i64,
-    /// True if smaller ones have the first's colour, and if larger ones have the last's.
+    /// True at an end whose colour also serves the numbers beyond it.
     open: [bool; 2],
 }
 
-/// Least distance of two labels, in letters.
+/// Least gap between two labels, in letters.
 const GAP: f64 = 0.5;
 
 impl WholeNumbers {
-    /// Both bobs.
+    /// The numbers of the two bobs.
     pub(super) const BOBS: Self = WholeNumbers { first: 1, last: 2, open: [false; 2] };
 
-    /// Counts of something; larger ones than the last are possible.
+    /// Returns counts in a range that is open above, and open below if `first` is negative.
     pub(super) fn counts(first: i64, last: i64) -> Self {
         WholeNumbers { first, last, open: [first < 0, true] }
     }
 
-    /// The number at a share of the bar, from 0 to 1.
+    /// Returns the number at a share of the bar, from 0 to 1.
     pub(super) fn at(&self, share: f64) -> i64 {
         let step = (share * self.steps()).floor() as i64;
         self.first + step.clamp(0, self.last - self.first)
     }
 
-    /// Places of numbers on a bar that is so many letters long, from 0 to 1, and the labels of these
-    /// numbers: of all, or of the ends and of round ones between them.
+    /// Returns the places (0 to 1) and labels of numbers on a bar `letters` letters long: all
+    /// numbers if they fit, or else the ends and round numbers between them.
     pub(super) fn labels(&self, letters: f64) -> Vec<(f64, String)> {
         let round = (0..18).flat_map(|power| [1, 2, 5].map(|m| m * 10i64.pow(power)));
         let few = round.filter(|step| self.steps() / *step as f64 <= letters);
@@ -40,7 +41,7 @@ impl WholeNumbers {
         (self.last - self.first + 1) as f64
     }
 
-    /// Both ends, and the multiples of `step` that are at least that far from them.
+    /// Returns both ends, and the multiples of `step` that are at least `step` away from them.
     fn every(&self, step: i64) -> Vec<i64> {
         let WholeNumbers { first, last, .. } = *self;
         let multiples = (first.div_euclid(step)..=last.div_euclid(step)).map(|k| k * step);
@@ -48,7 +49,8 @@ impl WholeNumbers {
         [first].into_iter().chain(between).chain([last]).collect()
     }
 
-    /// Labels in the middle of their steps, or where they end with the bar.
+    /// Places each label in the middle of its step, or further in if it would extend beyond the
+    /// bar.
     fn placed(&self, numbers: &[i64], letters: f64) -> Vec<(f64, String)> {
         let place = |&number: &i64| {
             let text = self.label(number);

@@ -1,4 +1,4 @@
-//! The scale of times: where along the range of its colours a time lies.
+//! The scale of times: the position of a time in the range of colours.
 
 use crate::Scale;
 
@@ -6,26 +6,26 @@ use crate::Scale;
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeScale {
     scale: Scale,
-    /// Seconds at which equal steps of the range lie; at least two, rising.
+    /// Times in s at the ends of equal steps of the range; at least two, ascending.
     times: Vec<f64>,
-    /// Logarithm of the ratio of each two neighbours.
+    /// Logarithms of the ratios of neighbouring times.
     logs: Vec<f64>,
 }
 
 impl TimeScale {
-    /// The scale between these times, at least two of them and rising.
+    /// Returns the scale through these times, of which there are at least two, ascending.
     pub(super) fn new(scale: Scale, times: Vec<f64>) -> Self {
         let logs = times.windows(2).map(|pair| (pair[1] / pair[0]).ln()).collect();
         TimeScale { scale, times, logs }
     }
 
-    /// The first and the last time with a colour of its own, in s.
+    /// Returns the first and the last time with a colour of its own, in s.
     pub fn range_secs(&self) -> [f64; 2] {
         [self.times[0], self.times[self.times.len() - 1]]
     }
 
-    /// The share of the range that lies before a time, from 0 to 1: a height that rises with the time
-    /// and has no steps, whatever its colours have.
+    /// Returns the height of a time: its position in the range, from 0 to 1. The height rises with
+    /// the time without steps, even if the colours have steps.
     pub fn height(&self, secs: f64) -> f64 {
         let steps = self.times.len() - 1;
         let step = self.times.partition_point(|&time| time <= secs).clamp(1, steps) - 1;
@@ -37,7 +37,8 @@ impl TimeScale {
         ((step as f64 + within) / steps as f64).clamp(0.0, 1.0)
     }
 
-    /// The share of the range whose colour a height has: one for each step if the scale has steps.
+    /// Returns the position whose colour a height has: the middle of its step if the scale has
+    /// steps, or else the height itself.
     pub(super) fn coloured(&self, height: f64) -> f64 {
         if self.scale != Scale::Steps {
             return height;
@@ -46,7 +47,7 @@ impl TimeScale {
         ((height * steps).floor().min(steps - 1.0) + 0.5) / steps
     }
 
-    /// The time at a height, in s: the number that a legend writes beside its colours.
+    /// Returns the time at a height in s, as a legend writes it beside its colours.
     pub fn secs_at(&self, height: f64) -> f64 {
         let steps = self.times.len() - 1;
         let along = height.clamp(0.0, 1.0) * steps as f64;

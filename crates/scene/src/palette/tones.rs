@@ -1,5 +1,5 @@
 //! The colours of times. They run between fixed times, so that a colour means the same in every
-//! tile of a picture, whatever else is in it.
+//! tile of a picture.
 
 use super::time_scale::TimeScale;
 use super::{FAILED, Ground, Palette, Rgb, Tint, rounded};
@@ -15,7 +15,7 @@ pub struct Tones {
     /// True if every second run through the palette goes backwards.
     mirror: bool,
     cycles: f64,
-    /// Runs through the palette that precede the first time.
+    /// Number of runs through the palette that precede the first time.
     shift: f64,
     /// Index of the last run.
     last_run: f64,
@@ -31,14 +31,15 @@ pub struct Lookup {
     pub last_secs: f64,
     /// Entry `k` of `n` is the colour at `first_secs · (last_secs / first_secs)^(k / (n − 1))`.
     pub colours: Vec<Rgb>,
-    /// Largest part of the palette between two entries, in its length.
+    /// Largest distance in the palette between neighbouring entries, as a share of its length.
     pub most_apart: f64,
 }
 
 impl Tones {
-    /// The tones of a picture of a pendulum with this natural unit of time and this budget. Without
-    /// times of its own, the picture runs from the former, before which few flips come (or from a
-    /// tenth of the budget, if the unit is at least half of it), to the latter.
+    /// Returns the tones of a picture, for a pendulum with this natural unit of time and this
+    /// budget. Without times of its own, the picture's range begins at the natural unit of time,
+    /// before which few flips come, and ends at the budget. If the unit is at least half of the
+    /// budget, the range begins at a tenth of the budget.
     pub fn new(
         picture: &PictureTable,
         unit_secs: f64,
@@ -64,53 +65,53 @@ impl Tones {
         })
     }
 
-    /// The scale of the times.
+    /// Returns the scale of the times.
     pub fn scale(&self) -> &TimeScale {
         &self.scale
     }
 
-    /// The first and the last time with a colour of its own, in s.
+    /// Returns the first and the last time with a colour of its own, in s.
     pub fn range_secs(&self) -> [f64; 2] {
         self.scale.range_secs()
     }
 
-    /// Position of a time in the palette, in [0, 1].
+    /// Returns the position of a time in the palette, in [0, 1].
     pub(crate) fn position(&self, secs: f64) -> f64 {
         self.position_at(self.scale.height(secs))
     }
 
-    /// Position in the palette of a height on the scale of the times.
+    /// Returns the position in the palette of a height on the scale of the times.
     fn position_at(&self, height: f64) -> f64 {
         let along = self.scale.coloured(height) * self.cycles + self.shift;
-        // The last time is the end of the last run, not the beginning of another.
-        // Rounded down by a conversion: `floor` is a call of a function on most machines.
+        // The last time is the end of the last run, not the beginning of another. The conversion
+        // rounds down, because `floor` is a function call on most machines.
         let run = f64::from(along as u32).min(self.last_run);
         let within = along - run;
         let backwards = self.reverse != (self.mirror && run % 2.0 == 1.0);
         if backwards { 1.0 - within } else { within }
     }
 
-    /// The time at a share of the range, in s: the number that a legend writes beside its colours.
+    /// Returns the time at a share of the range in s, as a legend writes it beside its colours.
     pub(crate) fn secs_at(&self, share: f64) -> f64 {
         self.scale.secs_at(share)
     }
 
-    /// The colours beside those of times.
+    /// Returns the colours of pixels without an answer and of the energy curve.
     pub fn ground(&self) -> Ground {
         self.ground
     }
 
-    /// The colour of a time in s, between those of its palette.
+    /// Returns the colour of a time in s, not rounded.
     pub(crate) fn tint_at(&self, secs: f64) -> Tint {
         self.palette.tint(self.position(secs))
     }
 
-    /// The colour of a time in s.
+    /// Returns the colour of a time in s.
     pub(crate) fn colour_at(&self, secs: f64) -> Rgb {
         rounded(self.tint_at(secs))
     }
 
-    /// The colour of an outcome.
+    /// Returns the colour of an outcome.
     pub fn colour(&self, outcome: &Outcome) -> Rgb {
         match outcome.status {
             Status::Answered => self.colour_at(outcome.time),
@@ -120,7 +121,7 @@ impl Tones {
         }
     }
 
-    /// A table of `entries` colours, but of at least two, at equal steps of the logarithm of time.
+    /// Returns a table of `entries` colours, at least two, at equal steps of the logarithm of time.
     pub fn lookup(&self, entries: usize) -> Lookup {
         let [first_secs, last_secs] = self.range_secs();
         let last = entries.max(2) - 1;
@@ -132,8 +133,8 @@ impl Tones {
         Lookup { first_secs, last_secs, colours, most_apart: most * self.cycles }
     }
 
-    /// A table of `entries` colours, at least two, at equal steps of the heights on a scale, which may
-    /// be that of other colours.
+    /// Returns a table of `entries` colours, at least two, at equal steps of height on `scale`,
+    /// which may belong to other tones.
     pub fn over(&self, scale: &TimeScale, entries: usize) -> Vec<Rgb> {
         let last = (entries.max(2) - 1) as f64;
         let colour = |k: usize| {
@@ -149,14 +150,14 @@ impl Tones {
 /// Relative difference below which two times are the same.
 const SAME: f64 = 1e-12;
 
-/// True if each time is later than the one before by more than rounding.
+/// Returns true if each time is later than the one before by more than rounding.
 pub fn rise(times: &[f64]) -> bool {
     times.windows(2).all(|pair| pair[1] > pair[0] * (1.0 + SAME))
 }
 
-/// The times between which equally many of `times` lie, in at most `steps` steps: with them in
-/// [`PictureTable::times`] every colour is seen about equally often. Empty if there are fewer than
-/// two different times, since then there is nothing to spread.
+/// Returns times that divide `times` into at most `steps` steps of about equally many. As
+/// [`PictureTable::times`], they make every colour about equally frequent. The result is empty if
+/// there are fewer than two different times.
 pub fn equalised(times: impl Iterator<Item = f64>, steps: usize) -> Vec<f64> {
     let steps = steps.clamp(1, PictureTable::MAX_TIMES - 1);
     let mut sorted: Vec<f64> = times.filter(|secs| PictureTable::SECS.contains(secs)).collect();

@@ -1,4 +1,4 @@
-//! The samples of which the colour of a pixel is the mean.
+//! The samples whose mean is the colour of a pixel.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -19,17 +19,17 @@ pub enum Sampling {
     /// ```
     #[default]
     Corners,
-    /// Rows and columns of samples, this number of each.
+    /// A square of samples with this many rows and columns.
     Square(u32),
 }
 
 impl Sampling {
     /// One sample in the middle of each pixel.
     pub const SINGLE: Sampling = Sampling::Square(1);
-    /// The word for samples in the middle and in the corners.
+    /// Name of [`Sampling::Corners`] in files.
     pub const CORNERS: &'static str = "corners";
 
-    /// Samples along each axis of a pixel, without those in its corners.
+    /// Returns the number of samples along each axis of a pixel, without those in its corners.
     pub fn along(self) -> u32 {
         match self {
             Sampling::Corners => 1,
@@ -37,7 +37,8 @@ impl Sampling {
         }
     }
 
-    /// Columns and rows of the samples of a picture of `size` pixels; in corners, those of all corners.
+    /// Returns the columns and rows of samples in a picture of `size` pixels; for
+    /// [`Sampling::Corners`], of the samples in corners.
     pub fn grid_size(self, size: [u32; 2]) -> [u32; 2] {
         match self {
             Sampling::Corners => size.map(|side| side + 1),
@@ -70,7 +71,7 @@ impl<'de> Deserialize<'de> for Sampling {
     }
 }
 
-/// Reads a number, or the word for corners.
+/// A visitor that reads a number or the word for corners.
 struct NumberOrWord;
 
 impl Visitor<'_> for NumberOrWord {
@@ -81,7 +82,7 @@ impl Visitor<'_> for NumberOrWord {
     }
 
     fn visit_i64<E: Error>(self, along: i64) -> Result<Sampling, E> {
-        // What is no number of samples is refused with the rest of the table.
+        // An invalid number becomes 0, which is refused with the rest of the table.
         Ok(Sampling::Square(u32::try_from(along).unwrap_or(0)))
     }
 

@@ -47,7 +47,7 @@ fn columns(followed: &mut dyn Followed) -> Vec<f64> {
     }
 }
 
-/// The error of the time; infinite for the wrong bob.
+/// Returns the error of the time in s, infinite for the wrong bob.
 fn apart(answer: &[f64], truth: &[f64]) -> f64 {
     if answer[0] == truth[0] { (answer[1] - truth[1]).abs() } else { f64::INFINITY }
 }

@@ -26,7 +26,7 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
     judged: Judgement { budget_secs: 12.0, error: apart, most_error: 1e-3, words: "1 ms" },
 };
 
-/// The time of an event.
+/// A channel with the time of an event.
 pub(super) const TIME: Channel =
     Channel { name: "time", unit: "s", right: 1e-3, scale: ChannelScale::Times };
 
@@ -34,13 +34,13 @@ fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {
     [ending.outcome.time, 0.0, 0.0, 0.0, 0.0, 0.0]
 }
 
-/// The time of the flip that is counted to.
+/// Returns the time of the flip asked for, or NaN if it has not happened yet.
 fn column(followed: &mut dyn Followed) -> Vec<f64> {
     let flips = followed.watched_passes();
     vec![flips.get(followed.count() as usize - 1).map_or(f64::NAN, |flip| flip.time.hi)]
 }
 
-/// The error of a time.
+/// Returns the error of a time, in s.
 fn apart(answer: &[f64], truth: &[f64]) -> f64 {
     (answer[0] - truth[0]).abs()
 }

@@ -33,7 +33,8 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
     judged: Judgement { budget_secs: 8.0, error: apart, most_error: 0.0, words: "every count" },
 };
 
-/// Passes in one direction; anticlockwise ones go over the top towards the left.
+/// A channel that counts passes in one direction; anticlockwise passes go over the top towards the
+/// left.
 const fn count(name: &'static str) -> Channel {
     Channel { name, unit: "", right: 0.0, scale: ChannelScale::Counts(0, 10) }
 }
@@ -51,7 +52,7 @@ fn columns(followed: &mut dyn Followed) -> Vec<f64> {
     [(1, true), (1, false), (2, true), (2, false)].map(count).to_vec()
 }
 
-/// The number of passes too many or too few.
+/// Returns the number of passes counted too many or too few.
 fn apart(answer: &[f64], truth: &[f64]) -> f64 {
     answer.iter().zip(truth).map(|(a, b)| (a - b).abs()).sum()
 }

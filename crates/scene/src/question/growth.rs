@@ -40,7 +40,7 @@ fn column(followed: &mut dyn Followed) -> Vec<f64> {
     vec![followed.exponent()]
 }
 
-/// The error of the exponent, as a share of the true one.
+/// Returns the error of the exponent, as a share of the true one.
 fn apart(answer: &[f64], truth: &[f64]) -> f64 {
     ((answer[0] - truth[0]) / truth[0]).abs()
 }

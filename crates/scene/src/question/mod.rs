@@ -1,11 +1,11 @@
 //! Questions: what is asked of every pendulum, and how its answer is read.
 //!
-//! An engine follows a pendulum until a watched bob passes the top, or until the budget is used up,
-//! and knows no question by name. A question says what is watched and for how long, and reads its
-//! *channels* from the outcome and the end of the integration: named numbers with a unit, a natural
-//! scale of colours, and the error within which they count as right.
+//! An engine follows a pendulum until a watched bob passes the top or the budget is used up; it
+//! knows no question by name. A question says which bobs are watched and for how long, and reads
+//! its *channels* from the outcome and the end of the integration. A channel is a named number with
+//! a unit, a natural scale of colours, and the error within which it counts as right.
 //!
-//! One question is one file here, with a line in [`QuestionName::ALL`].
+//! Each question has a file here and an entry in [`QuestionName::ALL`].
 
 mod first;
 mod flip;
@@ -44,7 +44,7 @@ pub enum QuestionName {
     Return,
 }
 
-/// All that a question decides.
+/// The definition of a question.
 pub struct QuestionDef {
     /// Name in options and files.
     pub name: &'static str,
@@ -58,64 +58,65 @@ pub struct QuestionDef {
     pub channel_names: &'static str,
     /// The bobs that it watches.
     pub watches: Watches,
-    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none. A question
-    /// that has a count takes the scene's instead.
+    /// Number of passes over the top that ends a simulation; [`u32::MAX`] if none does. The scene's
+    /// count replaces it if `has_count` is true.
     pub passes: u32,
-    /// True if it asks for the scene's count-th pass.
+    /// True if the question asks for the scene's count-th pass.
     pub has_count: bool,
-    /// True if the answer lies at the time `at`, not at an event.
+    /// True if the answer is read at the time `at`, not at an event.
     pub at_a_time: bool,
     /// True if mirror images, with all angles and speeds negated, have equal answers.
     pub is_even: bool,
     /// Channels that its colours show.
     pub painted: Painted,
-    /// Another way to paint them, with its name.
+    /// An alternative way to paint the channels, with its name.
     pub tint: Option<(&'static str, Painted)>,
-    /// True if deep views are answered, by following cells of starts.
+    /// True if deep views can be answered by following cells of starts.
     pub follows_cells: bool,
-    /// All that an engine has to return.
+    /// Results that an engine has to return.
     pub needs: Needs,
     /// Returns the values of the channels.
     pub read: fn(&QuestionInput) -> [f64; MAX_CHANNELS],
     /// Columns that it adds to a trace.
     pub columns: TraceColumns,
-    /// Judgement of its answers by true ones.
+    /// Criteria by which the report judges answers against true ones.
     pub judged: Judgement,
 }
 
-/// The way in which the report judges answers against true ones.
+/// Criteria by which the report judges the answers to a question against true ones.
 pub struct Judgement {
-    /// Budget of the map that is judged, in s.
+    /// Budget in s of the map that is judged.
     pub budget_secs: f64,
     /// Returns the error of an answer's channels, given those of the true orbit.
     pub error: fn(&[f64], &[f64]) -> f64,
     /// Largest error of a right answer.
     pub most_error: f64,
-    /// The same in words.
+    /// The largest error of a right answer in words.
     pub words: &'static str,
 }
 
-/// The columns that a question adds to a trace: channels so far, at the time of each row.
+/// The columns that a question adds to a trace: its channels as of the time of each row.
 pub struct TraceColumns {
-    /// The first channel that is a column; a trace has those before it already.
+    /// Index of the first channel that is a column; a trace already has the channels before it.
     pub from: usize,
-    /// Returns the values of the columns; NaN for those that are not there yet.
+    /// Returns the values of the columns, NaN where there is none yet.
     pub read: fn(&mut dyn Followed) -> Vec<f64>,
 }
 
 /// A pendulum that is followed from row to row of a trace.
 pub trait Followed {
-    /// The passes of the top so far.
+    /// Returns the passes over the top so far.
     fn passes(&self) -> &[Pass];
-    /// The passes so far by watched bobs.
+    /// Returns the passes so far by watched bobs.
     fn watched_passes(&self) -> Vec<Pass>;
-    /// The scene's count.
+    /// Returns the scene's count.
     fn count(&self) -> u32;
-    /// Whole turns of both rods.
+    /// Returns the whole turns of both rods.
     fn turns(&self) -> [i32; 2];
-    /// The exponent of the growth so far, 1/s.
+    /// Returns the exponent of the growth so far, in 1/s.
     fn exponent(&mut self) -> f64;
-    /// The least distance from the start since it was left, and its time in s.
+    /// Returns the least distance from the start since the pendulum left it, and the time of this
+    /// distance in s.
     fn nearest(&mut self) -> [f64; 2];
 }
 
@@ -124,7 +125,7 @@ pub trait Followed {
 pub enum Watches {
     /// The bobs of the scene's rule.
     TheRule,
-    /// The same ones in every scene.
+    /// The same bobs in every scene.
     Always(Rule),
 }
 
@@ -137,7 +138,8 @@ pub enum Painted {
     TwoAngles,
     /// The sum of all channels, which are counts.
     Sum,
-    /// The kinetic share of the energy above hanging, from both angles and both speeds.
+    /// The kinetic share of the energy, measured from hanging at rest; it uses both angles and both
+    /// speeds.
     EnergySplit,
 }
 
@@ -146,11 +148,11 @@ pub enum Painted {
 pub enum Needs {
     /// The outcome alone.
     Outcome,
-    /// The state at the end, too.
+    /// The outcome and the state at the end.
     End,
-    /// The growth of nudges, too.
+    /// The growth of nudges, with the outcome and the state at the end.
     Growth,
-    /// The nearest return to the start, too.
+    /// The nearest return to the start, with the outcome and the state at the end.
     Return,
 }
 
@@ -164,22 +166,22 @@ pub struct Channel {
     pub name: &'static str,
     /// Unit; empty for a count.
     pub unit: &'static str,
-    /// Greatest error of a right value, in its unit.
+    /// Largest error of a right value, in its unit; for rates, as a share of the true value.
     pub right: f64,
     /// Natural scale of its colours.
     pub scale: ChannelScale,
 }
 
 impl Channel {
-    /// Returns true if a value is within `share` of what is right; `unit_secs` is the pendulum's natural
-    /// unit of time, by which times and speeds are judged.
+    /// Returns true if a value's error is at most `share` times the allowed error. The allowed
+    /// errors of times and speeds depend on the pendulum's natural unit of time, `unit_secs`.
     pub fn is_right(&self, value: f64, truth: f64, share: f64, unit_secs: f64) -> bool {
         let apart = (value - truth).abs();
         let allowed = match self.scale {
             ChannelScale::Times if self.right <= right_secs(f64::INFINITY) => right_secs(unit_secs),
             ChannelScale::Rates(_) => self.right * truth.abs(),
             _ if self.unit == "rad/s" => {
-                // Speeds of a fast pendulum are known to the same share of them.
+                // A fast pendulum has larger speeds, which are allowed the same relative error.
                 self.right * right_secs(f64::INFINITY) / right_secs(unit_secs)
             }
             _ => self.right,
@@ -201,7 +203,8 @@ pub enum ChannelScale {
     Cyclic,
     /// Values from the first to the second.
     Between(f64, f64),
-    /// Whole numbers from the first to the second; larger and smaller ones have the colours of these.
+    /// Whole numbers from the first to the second; numbers beyond them have the colours of these
+    /// ends.
     Counts(i32, i32),
     /// The number of a bob, 1 or 2.
     Bobs,
@@ -218,11 +221,11 @@ pub struct QuestionInput<'a> {
     pub unit_secs: f64,
     /// The outcome.
     pub outcome: Outcome,
-    /// State at the event, or else at the end of the budget; reduced units.
+    /// State at the event, or else at the end of the budget, in reduced units.
     pub phase: Phase<f64>,
-    /// Simulated seconds until then.
+    /// Simulated seconds until that state.
     pub secs: f64,
-    /// Quantities gathered until then.
+    /// Quantities gathered until that state.
     pub gathered: Accumulators,
 }
 
@@ -237,7 +240,7 @@ impl QuestionName {
         QuestionName::Return,
     ];
 
-    /// All that the question decides.
+    /// Returns the definition of the question.
     pub fn kind(self) -> &'static QuestionDef {
         match self {
             QuestionName::Flip => &flip::QUESTION,
@@ -249,7 +252,7 @@ impl QuestionName {
         }
     }
 
-    /// The bobs that are watched in a scene with this rule.
+    /// Returns the bobs that are watched in a scene with this rule.
     pub(crate) fn watched(self, rule: Rule) -> Rule {
         match self.kind().watches {
             Watches::TheRule => rule,
@@ -257,12 +260,12 @@ impl QuestionName {
         }
     }
 
-    /// The channel of this name.
+    /// Returns the index of the channel with this name.
     pub(crate) fn channel(self, name: &str) -> Option<usize> {
         self.kind().channels.iter().position(|channel| channel.name == name)
     }
 
-    /// Returns true if the answer is the outcome alone, with the time of a flip.
+    /// Returns true if the answer is only the outcome, with the time of a flip.
     pub fn is_time(self) -> bool {
         self.kind().needs == Needs::Outcome
     }

@@ -39,7 +39,7 @@ fn columns(followed: &mut dyn Followed) -> Vec<f64> {
     followed.nearest().to_vec()
 }
 
-/// The error of the distance.
+/// Returns the error of the distance.
 fn apart(answer: &[f64], truth: &[f64]) -> f64 {
     (answer[0] - truth[0]).abs()
 }

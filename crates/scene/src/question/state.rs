@@ -62,7 +62,7 @@ fn columns(followed: &mut dyn Followed) -> Vec<f64> {
     followed.turns().map(f64::from).to_vec()
 }
 
-/// The larger error of both angles, rad.
+/// Returns the larger error of the two angles, in rad.
 fn apart(answer: &[f64], truth: &[f64]) -> f64 {
     let turned = |k: usize| Dd::new(answer[k] - truth[k]).wrapped().hi.abs();
     turned(0).max(turned(1))
