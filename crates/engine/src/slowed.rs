@@ -1,5 +1,5 @@
-//! The least energy with which a bob can pass the top. Friction only takes energy away, so a pendulum
-//! that falls below it provably never flips and is done early.
+//! The least energy with which a bob can pass the top. Friction only takes energy away, so a
+//! pendulum whose energy falls below this provably never flips and is done early.
 
 use flipmap_pendulum::{Pendulum, Rule};
 
