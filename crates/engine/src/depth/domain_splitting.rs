@@ -42,8 +42,9 @@ use flipmap_pendulum::{Rule, control};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::{ExactPlane, PendulumSpec};
 
-/// Largest part of a leaf's states that its polynomials may leave out. Further up, what is left out
-/// grows with the cells that are cut, so the tolerance is halved with every level above the leaves.
+/// Largest truncation error of a leaf's polynomials, in unit vectors and scaled momenta. An error
+/// made further up grows with the cells that are cut from there, so the tolerance is halved with
+/// every level above the leaves.
 const TOLERANCE: f64 = 1e-12;
 /// The same tolerance for strict start maps, which check others and share no cut with them.
 const STRICT_TOLERANCE: f64 = 1e-13;

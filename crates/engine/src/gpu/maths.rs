@@ -203,7 +203,7 @@ impl Design {
         if passes.is_empty() { "false".to_string() } else { passes.join(" || ") }
     }
 
-    /// The energy of a pendulum, from its state where a slice of steps ends.
+    /// The energy of a pendulum, from its state at the end of a slice of steps.
     pub(crate) fn energy(&self) -> String {
         write_maths(Dialect { indent: "    ", ..self.dialect() }, || {
             let energy = if self.is_adaptive() {
