@@ -20,7 +20,7 @@ struct Work {
 
 {{ statuses }}const WORDS = {{ words }}u;
 const WORKGROUP = 64u;
-// Upper bits of a word that holds a status instead of a moment: together they are no number.
+// Upper bits of a word that holds a status instead of a moment; as an f32, such a word is NaN.
 const NO_MOMENT = 0xffffff00u;
 
 @group(0) @binding(0) var<storage, read> job: Head;

@@ -1,4 +1,4 @@
-// Known sums and the ingredients of orbits, to judge a device by: the host compares every bit.
+// Operations with known results, by which the host judges a device.
 
 struct Zero {
     zero: u32,

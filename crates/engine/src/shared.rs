@@ -78,7 +78,7 @@ pub struct JobScene {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct RawOutcome {
-    /// Status in the low byte; above it, the number of times that a step was searched for a flip.
+    /// Status in the low byte; above it, the number of steps taken to look for a flip.
     pub status: u32,
     /// Number of steps taken; for adaptive methods, of steps tried.
     pub steps: u32,
