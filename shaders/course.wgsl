@@ -113,8 +113,8 @@ struct Course {
     clearance: f32,
 }
 
-// The course of the polynomial with these control points, which begins on `side` of zero (1 or -1) or
-// at zero. Decided by the control points of ever smaller parts: if all are on that side, nothing
+// The course of the polynomial with these control points, which begins on `side` of zero (1 or -1)
+// or at zero. Decided by the control points of ever smaller parts: if all are on that side, nothing
 // happens; if all fall, zero is crossed at most once.
 fn course(control: array<Real, TERMS>, side: Real) -> Course {
     var clearance = FAR;

@@ -1,4 +1,5 @@
-// The moment inside a step at which the top is reached. Counterpart: crates/numbers/src/polynomial.rs.
+// The moment inside a step at which the top is reached. Counterpart:
+// crates/numbers/src/polynomial.rs.
 
 // c0 + c1 x + ... + c5 x^5.
 struct Quintic {

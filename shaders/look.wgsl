@@ -1,6 +1,6 @@
-// Decides the steps before which `advance` stopped (counterpart: crates/engine/src/cpu/pair.rs): the first
-// trial is the whole step, and those after it end where a bob may be at the top. Every value that
-// decides anything comes from a step of the method itself.
+// Decides the steps before which `advance` stopped (counterpart: crates/engine/src/cpu/pair.rs):
+// the first trial is the whole step, and those after it end where a bob may be at the top. Every
+// value that decides anything comes from a step of the method itself.
 const WHOLE = 0u;
 // An interval in which the bob may cross the top.
 const PART = 1u;

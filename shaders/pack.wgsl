@@ -1,5 +1,5 @@
-// Packs what a picture shows of each outcome into {{ words }} words, and adds up the work, when all pendulums
-// of a job have ended (counterpart: crates/engine/src/gpu/packing.rs).
+// Packs what a picture shows of each outcome into {{ words }} words, and adds up the work, when all
+// pendulums of a job have ended (counterpart: crates/engine/src/gpu/packing.rs).
 
 {# Counted outcomes are not packed. #}
 {% set counts_turns = false %}

@@ -1,6 +1,7 @@
-// A tile's pendulums in Taylor steps (counterpart: crates/engine/src/cpu/taylor.rs), on unit vectors and
-// momenta. The expansion gives the length of its step and bounds on where the bobs go: `advance`
-// stops before a step in which the top may be reached, and `look` decides it on the polynomials.
+// A tile's pendulums in Taylor steps (counterpart: crates/engine/src/cpu/taylor.rs), on unit
+// vectors and momenta. The expansion gives the length of its step and bounds on where the bobs go:
+// `advance` stops before a step in which the top may be reached, and `look` decides it on the
+// polynomials.
 
 // Clearance of a bob that is below its pivot.
 const FAR = {{ far }};

@@ -1,5 +1,5 @@
-// The data layout that host and kernels share. Counterpart: crates/engine/src/shared.rs; a test compares
-// offsets.
+// The data layout that host and kernels share. Counterpart: crates/engine/src/shared.rs; a test
+// compares offsets.
 
 struct Job {
     // Pendulums in the job.

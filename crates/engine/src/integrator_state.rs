@@ -14,8 +14,8 @@ pub const NUMBERS: usize = 15;
 pub struct IntegratorState {
     /// Number of steps taken; for adaptive methods, of steps tried.
     pub steps: u32,
-    /// The state in the kernel's units and in the order that [`super::start`] gives; exact for every
-    /// precision.
+    /// The state in the kernel's units and in the order that [`super::start`] gives; exact for
+    /// every precision.
     pub numbers: [f64; NUMBERS],
     /// Quantities that the pendulum carries along with its state, if the question needs any.
     pub carried: Option<Box<Carried>>,
@@ -59,8 +59,8 @@ pub(crate) const LOG_SCALE: &str = "log_scale";
 /// Names of the unit vectors and momenta of the start.
 pub(crate) const STARTS: [&str; 6] =
     ["x1_start", "y1_start", "x2_start", "y2_start", "p1_start", "p2_start"];
-/// Names of the state of the search for the nearest return: 1 once the start has been left, the least
-/// distance, and its time.
+/// Names of the state of the search for the nearest return: 1 once the start has been left, the
+/// least distance, and its time.
 pub(crate) const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
 
 /// Largest number of values that a pendulum can carry along.

@@ -186,8 +186,9 @@ impl Job {
             // These methods keep one tolerance throughout.
             (_, Method::Taylor { .. } | Method::Extrapolation { .. }, Starts::Moving(_)) => pace,
             (Pace::Adaptive(adaptive), _, Starts::Moving(moving)) => {
-                // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels (in a larger
-                // leaf, neighbours differ by less), and doubled in f64 since the tolerance rises.
+                // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels (in a
+                // larger leaf, neighbours differ by less), and doubled in f64 since the tolerance
+                // rises.
                 let finer = if self.config.precision == Precision::F32 { 200.0 } else { 2000.0 };
                 let finer = finer * f64::from(self.config.leaf_pixels()) / 16.0;
                 let control = adaptive.control.after_a_cell(moving.since, moving.end, finer);

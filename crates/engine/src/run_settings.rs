@@ -1,6 +1,6 @@
 //! The first of two stages from words to a kernel: the words of a command line, of a scene inside a
-//! picture, of a window or of a plan become one typed [`RunSpec`]. The second stage is the choice of
-//! an engine and of an integrator config for it (`choice.rs`).
+//! picture, of a window or of a plan become one typed [`RunSpec`]. The second stage is the choice
+//! of an engine and of an integrator config for it (`choice.rs`).
 
 use std::str::FromStr;
 

@@ -73,8 +73,8 @@ struct AdaptiveStretch<'a, 'b, N, P> {
 struct SuspectStep {
     /// The lanes' numbers before the step.
     before: [[f64; MAX_LANES]; NUMBERS],
-    /// Distance from the top that each lane's watched bobs keep in the step, as a sine; not positive where
-    /// one may have crossed it.
+    /// Distance from the top that each lane's watched bobs keep in the step, as a sine; not
+    /// positive where one may have crossed it.
     clearance: [f64; MAX_LANES],
 }
 
@@ -202,7 +202,8 @@ impl<N: Number> LaneState<N> {
         least
     }
 
-    /// Distance from the top that a bob keeps in the step to `next`; `speeds` are those of both ends.
+    /// Distance from the top that a bob keeps in the step to `next`; `speeds` are those of both
+    /// ends.
     #[inline(always)]
     fn clearance_of<P: TopTest>(
         &self,
@@ -243,8 +244,8 @@ struct AdaptiveLanes<'a> {
 }
 
 impl AdaptiveLanes<'_> {
-    /// Decides a step in which some lane's bob may have been at the top: looks for the crossing, and
-    /// finishes the pendulums that made it.
+    /// Decides a step in which some lane's bob may have been at the top: looks for the crossing,
+    /// and finishes the pendulums that made it.
     fn decide<P: TopTest>(&mut self, step: &SuspectStep) {
         for lane in self.scheduler.running() {
             let numbers = lane_of(&step.before, lane);

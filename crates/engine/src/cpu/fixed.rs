@@ -129,8 +129,8 @@ fn store<L: Lanes>([state, rest]: [&State<L>; 2], rows: &mut [[f64; MAX_LANES]])
 /// The f32 just below π, with which lanes compare; the exact test follows in f64.
 const PI_BELOW: f64 = 3.141_592_5;
 
-/// Largest angle from hanging, in rad, that the watched bobs of each lane may have reached in a step
-/// (counterpart: `flip::may_pass`).
+/// Largest angle from hanging, in rad, that the watched bobs of each lane may have reached in a
+/// step (counterpart: `flip::may_pass`).
 #[inline(always)]
 fn nearest_pass<L: Lanes>(watches: [bool; 2], before: &State<L>, after: &State<L>, step: L) -> L {
     let mut nearest = step.lit(0.0);

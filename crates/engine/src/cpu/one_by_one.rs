@@ -1,5 +1,5 @@
-//! The loop for pendulums that are followed to the end of the budget one at a time, in scalar steps,
-//! with the quantities that they carry along.
+//! The loop for pendulums that are followed to the end of the budget one at a time, in scalar
+//! steps, with the quantities that they carry along.
 
 use std::sync::atomic::Ordering;
 

@@ -28,8 +28,8 @@ pub(super) struct StretchEnd {
     pub is_suspect: bool,
 }
 
-/// Runs a loop in a function of its own, compiled for the instruction set. The caller must be a function
-/// that is never inlined.
+/// Runs a loop in a function of its own, compiled for the instruction set. The caller must be a
+/// function that is never inlined.
 #[inline(always)]
 pub(super) fn vectorized<L: Lanes, T: Stretch<L>>(set: L::Set, stretch: T) -> T::Output {
     set.vectorize(Function::<L, T> { set, stretch })

@@ -35,7 +35,8 @@ struct TangentLanes<N: Number> {
     cuts: bool,
 }
 
-/// Runs a chunk in lanes of `N`, with adaptive steps of `P`. Slopes have the digits of the leading part.
+/// Runs a chunk in lanes of `N`, with adaptive steps of `P`. Slopes have the digits of the leading
+/// part.
 #[inline(never)]
 pub(super) fn run<N: Number + Narrow<N::Leading>, P: EmbeddedPair>(
     set: <N::Leading as Lanes>::Set,

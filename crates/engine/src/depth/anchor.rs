@@ -1,5 +1,5 @@
-//! Anchors: cells followed along the trajectory of their own middle, in as many digits as their depth
-//! needs.
+//! Anchors: cells followed along the trajectory of their own middle, in as many digits as their
+//! depth needs.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};

@@ -1,5 +1,5 @@
-//! The domain splitting from an anchor down to its smallest parts: a part is followed as long as its
-//! polynomials hold, then cut.
+//! The domain splitting from an anchor down to its smallest parts: a part is followed as long as
+//! its polynomials hold, then cut.
 //!
 //! An anchor's middle is followed in as many digits as its depth needs. Everything below the anchor
 //! is a difference from that middle, for which f64 has enough digits: a leaf lies at most
@@ -82,8 +82,8 @@ pub(super) struct DomainSplitting {
     finished: Mutex<HashMap<PartKey, Arc<FinishedPatch>>>,
 }
 
-/// A request for the patches of some starts: the leaves' level, the reduced budget, the cancellation
-/// flag, and the progress to report to.
+/// A request for the patches of some starts: the leaves' level, the reduced budget, the
+/// cancellation flag, and the progress to report to.
 #[derive(Clone, Copy)]
 pub(super) struct SplitRequest<'a> {
     pub level: u32,

@@ -154,8 +154,8 @@ impl FinishedPatch {
         Moving { nudges, ..self.moving(dynamics, phase, self.patch.clearance(at)) }
     }
 
-    /// The outcome of the start at a point of the patch, in [−1, 1]², and its end, if the polynomials
-    /// determine them; `unit_secs` is the reduced unit of time in s.
+    /// The outcome of the start at a point of the patch, in [−1, 1]², and its end, if the
+    /// polynomials determine them; `unit_secs` is the reduced unit of time in s.
     pub(super) fn known(
         &self,
         dynamics: &Dynamics,

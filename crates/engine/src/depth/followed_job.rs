@@ -46,8 +46,8 @@ pub(super) struct PartialResult {
     pub effort: Effort,
 }
 
-/// Returns the domain splitting of a question in the plane of some starts, with nudges if the question
-/// asks for their growth; creates it if there is none yet.
+/// Returns the domain splitting of a question in the plane of some starts, with nudges if the
+/// question asks for their growth; creates it if there is none yet.
 pub(super) fn splitting_of(
     splittings: &Splittings,
     #[cfg(feature = "sabotage")] sabotage: Option<super::sabotage::Sabotage>,

@@ -117,8 +117,8 @@ impl LineCheck<'_> {
         }
     }
 
-    /// Judges the line round by round; `sample` returns the end of a pendulum of the check, if it is
-    /// known.
+    /// Judges the line round by round; `sample` returns the end of a pendulum of the check, if it
+    /// is known.
     pub(super) fn verdict(&self, sample: impl Fn(CheckPlace) -> Option<Sample>) -> LineVerdict {
         let mut confirming = 0;
         for (round, starts) in EDGES.iter().enumerate() {
@@ -143,8 +143,8 @@ impl LineCheck<'_> {
         LineVerdict::Refused
     }
 
-    /// Returns true if a start at an edge ends as its place on the line does, up to the effect of its
-    /// residual; `None` if the line jumps there.
+    /// Returns true if a start at an edge ends as its place on the line does, up to the effect of
+    /// its residual; `None` if the line jumps there.
     fn confirms(&self, point: CurvePoint, [off, line, after]: [Sample; 3]) -> Option<bool> {
         let apart = line.distance(&after);
         if apart.is_nan() || apart > JUMP {
@@ -171,8 +171,8 @@ mod tests {
 
     const END: FinalState = FinalState { phase: [1.0; 6], ..FinalState::NOWHERE };
 
-    /// Judges the line of a small cell in which starts at edges, on the line and a little after them flip
-    /// at the times (s) that `secs` returns for a round.
+    /// Judges the line of a small cell in which starts at edges, on the line and a little after
+    /// them flip at the times (s) that `secs` returns for a round.
     fn verdict(secs: impl Fn(usize) -> [f64; 3]) -> LineVerdict {
         let dynamics = Dynamics::new(Pendulum::points([1.0; 2], [1.0; 2], 9.81), Rule::Second);
         let mut patch = FlowPatch::release(&dynamics, [-1.6601f64, 0.1003].map(f64::sin_cos), 1e-8);

@@ -51,7 +51,7 @@ pub(super) struct Sample {
 pub(super) enum IntervalVerdict {
     /// All starts flip, at times (s) given by the polynomial with these values at the five samples.
     Flips([f64; SAMPLES]),
-    /// None flips.
+    /// No start flips.
     Unflipped,
     /// Something happens in between. The value is the number of neighbouring pairs that do not
     /// belong together.
@@ -90,8 +90,8 @@ impl Interval {
         halves.into_iter().filter(|half| !half.starts.is_empty())
     }
 
-    /// Finds the outcomes of the starts in a smooth interval of a line that begins at `since_secs`. Starts
-    /// whose residual may matter are added to `alone`, to be integrated one by one.
+    /// Finds the outcomes of the starts in a smooth interval of a line that begins at `since_secs`.
+    /// Starts whose residual may matter are added to `alone`, to be integrated one by one.
     pub(super) fn settle(
         &self,
         verdict: &IntervalVerdict,

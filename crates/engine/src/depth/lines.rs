@@ -13,10 +13,10 @@
 //!   └───────────┘              s along the curve                └────────── s
 //! ```
 //!
-//! P(s) = Φ(s·u) is the curve through the patch's middle in the direction u that grows most, the first
-//! right singular vector of Φ's linear part. Every start is written as P(s) moved along the flow by
-//! a time τ, with a residual; it flips τ earlier than the start at s. So a strip of a thousand pixels
-//! needs as many integrations as the function T(s) has features.
+//! P(s) = Φ(s·u) is the curve through the patch's middle in the direction u that grows most, the
+//! first right singular vector of Φ's linear part. Every start is written as P(s) moved along the
+//! flow by a time τ, with a residual; it flips τ earlier than the start at s. So a strip of a
+//! thousand pixels needs as many integrations as the function T(s) has features.
 //!
 //! T(s) is sampled on dyadic intervals. An interval is *smooth* if a polynomial of degree 4 goes
 //! through its five samples and no bob came so near the top that a start between them could have
@@ -243,9 +243,9 @@ impl Line {
         Vec::new()
     }
 
-    /// Judges intervals and halves those that are rough, as far as the samples allow. Adds the starts
-    /// whose outcome is known now, and those that have to be integrated alone; returns the places
-    /// of the samples that are missing.
+    /// Judges intervals and halves those that are rough, as far as the samples allow. Adds the
+    /// starts whose outcome is known now, and those that have to be integrated alone; returns the
+    /// places of the samples that are missing.
     fn refine(
         &mut self,
         taken: &HashMap<Place, Sample>,

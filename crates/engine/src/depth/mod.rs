@@ -28,8 +28,8 @@
 //! all other jobs are passed on to it.
 //!
 //! * An answer depends on its place in the lattice alone, not on jobs or other requests.
-//! * Anchors, finished patches and samples are kept for later jobs. Cells are followed on threads of
-//!   this engine's own.
+//! * Anchors, finished patches and samples are kept for later jobs. Cells are followed on threads
+//!   of this engine's own.
 //! * Strict jobs use other cuts and smaller errors: [`super::trust`] checks one map by another.
 
 mod anchor;

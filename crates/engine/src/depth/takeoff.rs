@@ -1,4 +1,5 @@
-//! Takeoffs: pendulums of a deep job that set out at about the same time and are integrated together.
+//! Takeoffs: pendulums of a deep job that set out at about the same time and are integrated
+//! together.
 
 use std::collections::BTreeMap;
 

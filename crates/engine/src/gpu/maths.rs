@@ -149,8 +149,8 @@ impl Design {
         })
     }
 
-    /// A step with the rates at which the state moves away from the start at both ends (counterpart:
-    /// `receding` in `cpu/nearest.rs`), and the squared distance from it at the end.
+    /// A step with the rates at which the state moves away from the start at both ends
+    /// (counterpart: `receding` in `cpu/nearest.rs`), and the squared distance from it at the end.
     fn returning_step(&self) -> String {
         write_maths(self.dialect(), || {
             let (pendulum, scale) = (self.pendulum(), self.inverse_scale());

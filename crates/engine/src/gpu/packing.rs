@@ -82,8 +82,8 @@ struct Pipeline {
 const WORKGROUP: u32 = 64;
 
 impl Packer {
-    /// Records a dispatch that packs the outcomes of `count` pendulums. The buffers are the job's head,
-    /// the outcomes, the words and the work, whose bytes are 0.
+    /// Records a dispatch that packs the outcomes of `count` pendulums. The buffers are the job's
+    /// head, the outcomes, the words and the work, whose bytes are 0.
     pub(super) fn record(
         &self,
         gpu: &Gpu,

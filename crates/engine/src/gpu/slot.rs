@@ -24,9 +24,9 @@
 //! * The rare, long search for a flip is a kernel of its own, as in wavefront path tracing (Laine,
 //!   Karras and Aila, *Megakernels considered harmful*, 2013), so the step loop needs no registers
 //!   for it.
-//! * The dispatch size is written on the device (indirect dispatch), so several slices can be submitted
-//!   at once, and the host only learns when to stop. Its reads are asynchronous; outcomes, and states if
-//!   they are kept, are read once, at the end.
+//! * The dispatch size is written on the device (indirect dispatch), so several slices can be
+//!   submitted at once, and the host only learns when to stop. Its reads are asynchronous;
+//!   outcomes, and states if they are kept, are read once, at the end.
 //! * The job is kept whole: if the device is lost, it starts again on a fresh one.
 
 mod answer;

@@ -83,8 +83,8 @@ impl GpuTuning {
         ["pace", "first_slice", "slices", "slots", "job_size", "workgroup", "subgroups", "general"];
 }
 
-/// Largest number of starts in a job: a dispatch has at most 65,535 workgroups along a side, of at least
-/// 32 invocations each.
+/// Largest number of starts in a job: a dispatch has at most 65,535 workgroups along a side, of at
+/// least 32 invocations each.
 const MAX_STARTS: u32 = 2_000_000;
 /// Largest number of slices that a submission can have.
 pub(super) const MAX_SLICES: u32 = 16;

@@ -38,8 +38,8 @@ pub fn answer(
     }
 }
 
-/// Returns true if direct integration of starts that are `apart_rad` away from their neighbours takes
-/// seconds, because of its many digits.
+/// Returns true if direct integration of starts that are `apart_rad` away from their neighbours
+/// takes seconds, because of its many digits.
 pub fn takes_long(question: &EventSpec, apart_rad: f64) -> bool {
     let apart = DIGITS_APART - apart_rad.log10();
     limbs(question, WantedEnds::None, &State::rest([Exact::ZERO; 2]), apart) > MAX_LIMBS_IN_A_SECOND

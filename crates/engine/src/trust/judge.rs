@@ -39,8 +39,8 @@ const SAFETY: f64 = 0.25;
 const OF_CLEARANCE: f64 = 0.1;
 /// Distance between states from which on errors can no longer be taken to grow linearly.
 const LINEAR: f64 = 0.05;
-/// Largest error allowed in the state of an unflipped pendulum, or of one whose growth or return is the
-/// answer.
+/// Largest error allowed in the state of an unflipped pendulum, or of one whose growth or return is
+/// the answer.
 const UNFLIPPED: f64 = 1e-2;
 /// Largest error allowed in the state of a pendulum if the state is the answer.
 const STATE: f64 = SAFETY * 1e-3;
