@@ -306,7 +306,7 @@ pub trait Engine {
     fn begin_picture(&mut self) {}
     /// Number of jobs in flight that keep the engine busy.
     fn slots(&self) -> usize;
-    /// Number of starts that suits a job.
+    /// A suitable number of starts for a job.
     fn job_size(&self) -> usize;
     /// The hardware that it computes on.
     fn kind(&self) -> EngineKind;

@@ -19,7 +19,7 @@ pub struct MockEngine {
     pub backwards: bool,
     /// Number of submissions before the job that is refused, if any.
     pub fail_at: Option<usize>,
-    /// Number of starts that suits a job.
+    /// A suitable number of starts for a job.
     pub job_size: usize,
     /// Number of jobs taken so far.
     pub submitted: usize,

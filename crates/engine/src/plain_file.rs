@@ -1,4 +1,4 @@
-//! Reads plain files up to a limit of length. Anything else is refused, because a pipe would make
+//! Reads plain files up to a size limit. Anything else is refused, because a pipe would make
 //! flipmap wait and a device has no end.
 
 use std::fs::File;

@@ -1,5 +1,5 @@
-//! The embedded pairs on lanes, each with a test for crossings of the top. DOPRI5 has a different
-//! test from the other pairs, so that each can check the other.
+//! The embedded pairs on lanes, each with a test for crossings of the top. DOPRI5 has its own test
+//! and the other pairs share one, so that methods with different tests can check each other.
 
 use std::marker::PhantomData;
 use std::sync::LazyLock;
@@ -38,9 +38,9 @@ pub(super) trait TopTest {
     /// The pair that takes the steps.
     type Pair: EmbeddedPair;
 
-    /// Returns the distance from the top that a bob keeps over a step, or no positive number if the
-    /// bob may cross the top. Uses the cubic through the bob's sines at both ends, whose rates of
-    /// change times the step are given. Counterpart of `crossing::approach`.
+    /// Returns the distance from the top that a bob keeps over a step; not positive if the bob may
+    /// cross the top. Uses the cubic through the bob's sines at both ends, whose rates of change
+    /// times the step are given. Counterpart of `crossing::approach`.
     #[inline(always)]
     fn clearance<L: Lanes>([y0, y1]: [L; 2], [rise0, rise1]: [L; 2], _bow: L) -> L {
         let third = y0.lit(1.0 / 3.0);

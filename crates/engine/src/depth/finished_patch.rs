@@ -147,7 +147,7 @@ impl FinishedPatch {
         }
     }
 
-    /// Returns the state in which the start at a point is when the patch ends.
+    /// Returns the state of the start at a point when the patch ends.
     pub(super) fn state(&self, dynamics: &Dynamics, at: [f64; 2]) -> Moving {
         let phase = self.patch.phase.map(|jet| jet.at(at));
         let nudges = self.patch.nudges_at(dynamics, at).map(Box::new);

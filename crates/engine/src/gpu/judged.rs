@@ -104,7 +104,7 @@ impl GpuEngine {
         };
     }
 
-    /// Returns a test, for use on any thread, of whether checks with a configuration run on the
+    /// Returns a function that says, on any thread, whether checks with a configuration run on the
     /// device. Expansions are left to the processor by a software adapter, which takes longer for
     /// them on the same cores, and by a window, which does not wait for their kernel to compile.
     pub(crate) fn checks(&self) -> impl Fn(&IntegratorConfig) -> bool + Send + 'static {

@@ -14,7 +14,7 @@ pub struct GpuTuning {
     pub slices: u32,
     /// Largest number of jobs on the device at a time.
     pub slots: usize,
-    /// Number of starts that suits a job; `None` for the adapter's default.
+    /// A suitable number of starts for a job; `None` for the adapter's default.
     pub job_size: Option<usize>,
     /// Number of invocations in a workgroup.
     pub workgroup: u32,

@@ -152,7 +152,7 @@ pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Ve
     rungs
 }
 
-/// Returns the ends that a run computes where `wanted` ends are needed. A run that cannot carry the
+/// Returns the ends that a run computes if `wanted` ends are needed. A run that cannot carry the
 /// quantity along, or only in a scalar loop a hundred times slower than the other runs, computes
 /// plain ends, which confirm the state alone.
 pub(super) fn ends_of(config: &IntegratorConfig, wanted: WantedEnds) -> WantedEnds {

@@ -23,8 +23,9 @@ enum Along {
 }
 
 impl Axes {
-    /// Returns the axes of a job, if it is of an upright picture and its kernel can begin it.
-    /// `places` are the places of the numbers of the device's state (see [`crate::start::places`]).
+    /// Returns the axes of a job whose starts are those of an upright picture, if its kernel can
+    /// begin them. `places` are the places of the numbers of the device's state (see
+    /// [`crate::start::places`]).
     pub(super) fn of(job: &Job, kernel: &Kernel, places: &[[Option<usize>; 2]]) -> Option<Self> {
         let Starts::Upright(upright) = &job.starts else { return None };
         kernel.begin.as_ref()?;
