@@ -1,6 +1,6 @@
-// A tile's pendulums in adaptive steps (counterpart: crates/engine/src/cpu/adaptive.rs), on unit vectors
-// and momenta. `advance` tries steps and stops before one in which the top may be reached; `look`
-// decides those. The quantities that a step is judged by are f32, whatever the number type.
+// A tile's pendulums in adaptive steps (counterpart: crates/engine/src/cpu/adaptive.rs), on unit
+// vectors and momenta. `advance` tries steps and stops before one in which the top may be reached;
+// `look` decides those. The quantities that a step is judged by are f32, whatever the number type.
 
 // A bob at one moment: its unit vector and speed.
 struct Bob {
@@ -33,7 +33,7 @@ fn control_points(before: Bob, after: Bob, bow: f32, h: f32) -> array<f32, 5> {
     );
 }
 
-// Distance from the top that a bob keeps over a step; not positive where it may cross it.
+// Distance from the top that a bob keeps over a step; not positive if it may cross the top.
 fn clearance_of(before: Bob, after: Bob, bow: f32, h: f32) -> f32 {
     if before.x >= 0 && after.x >= 0 {
         return FAR;
@@ -46,7 +46,7 @@ fn clearance_of(before: Bob, after: Bob, bow: f32, h: f32) -> f32 {
     return least;
 }
 {% else %}
-// How a bob's path over an interval lies relative to the top (counterpart: `crossing::approach`).
+// The path of a bob over an interval, relative to the top (counterpart: `crossing::approach`).
 struct Approach {
     clearance: f32,
     crosses: bool,

@@ -1,6 +1,6 @@
 // Puts pendulums that are released from rest at their starts, before the first slice. Each is in a
-// column and a row of an upright picture: numbers of its first bob are those of the column, numbers of
-// its second bob those of the row, and the others are the same for all.
+// column and a row of an upright picture: numbers of its first bob are those of the column, numbers
+// of its second bob those of the row, and the others are the same for all.
 
 // For each number of the state in turn: a value for every column, for every row, or for all.
 @group(2) @binding(0) var<storage, read> axes: array<Real>;

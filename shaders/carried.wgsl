@@ -1,8 +1,8 @@
-// The few operations outside the printed maths on numbers that pendulums take along, which may be
+// The few operations outside the printed maths on numbers that pendulums carry along, which may be
 // pairs of f32.
 
 {% if pairs %}
-// The rest of the budget from a time, if it is less than `h`; else that.
+// The length `h`, or the time left in the budget if that is less.
 fn length_within(h: Real, time: Real, zero: u32) -> Real {
     return real(min(h.x, rough(subtract(real(job.budget), time, zero))));
 }
@@ -16,7 +16,7 @@ fn scaled(x: Real, by: f32) -> Real {
     return x * by;
 }
 
-// To the precision of f32, like a distance that it is the root of.
+// The square root, to the precision of f32.
 fn root_of(x: Real) -> Real {
     return real(sqrt(max(x.x, 0.0)));
 }
@@ -29,7 +29,7 @@ fn is_less(a: Real, b: Real) -> bool {
     return a.x < b.x || (a.x == b.x && a.y < b.y);
 }
 {% else %}
-// The rest of the budget from a time, if it is less than `h`; else that.
+// The length `h`, or the time left in the budget if that is less.
 fn length_within(h: Real, time: Real, zero: u32) -> Real {
     return min(h, real(job.budget) - time);
 }

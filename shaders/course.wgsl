@@ -1,13 +1,13 @@
-// Where a polynomial over a step passes zero (counterpart: crates/numbers/src/polynomial.rs). It is given by
-// its control points over [0, 1]: it begins at the first, ends at the last, and lies between the
-// least and the greatest.
+// The zeros of a polynomial over a step (counterpart: crates/numbers/src/polynomial.rs). The
+// polynomial is given by its control points over [0, 1]: it begins at the first, ends at the last,
+// and lies between the least and the greatest.
 
 const TERMS = {{ terms }};
 // Smallest part of a step that is cut any further: a shorter pass cannot be told from none.
 const MIN_PART = 1.5e-8;
-// Most parts that are looked at for one change.
+// Largest number of parts that are examined for one change of sign.
 const MAX_PARTS = 400;
-// What stands for a place in a step at which there is nothing: beyond its end.
+// Stands for no place in a step; it lies beyond the step's end.
 const NOWHERE = Real(2);
 
 fn control_points(coefficients: array<Real, TERMS>, length: Real) -> array<Real, TERMS> {
@@ -113,8 +113,8 @@ struct Course {
     clearance: f32,
 }
 
-// The course of the polynomial with these control points, which begins on `side` of zero (1 or -1) or
-// at zero. Decided by the control points of ever smaller parts: if all are on that side, nothing
+// The course of the polynomial with these control points, which begins on `side` of zero (1 or -1)
+// or at zero. Decided by the control points of ever smaller parts: if all are on that side, nothing
 // happens; if all fall, zero is crossed at most once.
 fn course(control: array<Real, TERMS>, side: Real) -> Course {
     var clearance = FAR;
@@ -173,7 +173,7 @@ fn passes_from(control: array<Real, TERMS>) -> Passes {
 }
 
 // The place in the step at which the bob, whose `x` has these coefficients, next passes the top; or
-// nowhere. Lowers `clearance` by what is kept until then.
+// nowhere. Lowers `clearance` to the distance from the top that the bob keeps until then.
 fn next_pass(
     passes: ptr<function, Passes>,
     x: array<Real, TERMS>,
@@ -189,7 +189,7 @@ fn next_pass(
             break;
         }
         let place = (*passes).begin + (Real(1) - (*passes).begin) * found.change;
-        // Beyond a crossing, at the top or at the bottom, the sides change.
+        // Every crossing, at the top or at the bottom, changes the side.
         (*passes).control = part_after((*passes).control, found.change);
         (*passes).control[0] = Real(0);
         (*passes).begin = place;

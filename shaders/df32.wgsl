@@ -1,5 +1,5 @@
 // The number type of two f32: the sum of its parts, 48 bits (Joldes, Muller and Popescu 2017).
-// Without a fence round every rounding that matters, each driver seen folds error terms to zero.
+// Unless every rounding that matters is protected, each driver tested folds error terms to zero.
 
 alias Real = vec2<f32>;
 
@@ -19,7 +19,8 @@ fn to_parts(x: Real) -> vec2<f32> {
     return x;
 }
 
-// `rounded` is the sum, which no optimiser sees through; `plus` is a sum on the way to its error.
+// `rounded` is a sum that no optimiser sees through; `plus` is a sum from which its error is
+// computed.
 {% if guards_results %}
 fn guard(x: f32, zero: u32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) ^ zero);
@@ -37,7 +38,7 @@ fn plus(a: f32, b: f32, zero: u32) -> f32 {
 {% endif %}
 }
 {% else %}
-// The number 1, which only the host knows to be it.
+// The number 1, which only the host knows to be 1.
 fn one(zero: u32) -> f32 {
     return bitcast<f32>(zero | 0x3f800000u);
 }
@@ -69,8 +70,8 @@ fn two_product(a: f32, b: f32, zero: u32) -> Real {
     return Real(product, fma(a, b, -product));
 }
 {% else %}
-// The product splits its factors by masking (Dekker 1971), where fused multiply-adds are not or are
-// folded. Products of halves are exact, so it is all the same whether they are fused.
+// The product splits its factors by masking (Dekker 1971), for devices whose multiply-adds are not
+// fused, or are folded. Products of halves are exact, so it does not matter whether they are fused.
 fn upper(x: f32) -> f32 {
     return bitcast<f32>(bitcast<u32>(x) & 0xfffff000u);
 }
@@ -108,16 +109,17 @@ fn multiply(a: Real, b: Real, zero: u32) -> Real {
     return fast_two_sum(product.x, product.y + (a.x * b.y + a.y * b.x), zero);
 }
 
-// a b + c, whose second part may be larger than the rounding of the first, and where terms cancel, than
-// the first itself: sums of products are made of these, and `normal` ends them before any other use
-// (Ogita, Rump and Oishi 2005).
+// a b + c. The second part may be larger than the rounding of the first and, if terms cancel,
+// larger than the first itself. Sums of products are made of such values, and `normal` finishes
+// them before any other use (Ogita, Rump and Oishi 2005).
 fn multiply_add(a: Real, b: Real, c: Real, zero: u32) -> Real {
     let product = two_product(a.x, b.x, zero);
     let sum = two_sum(c.x, product.x, zero);
     return Real(sum.x, (sum.y + product.y) + (c.y + (a.x * b.y + a.y * b.x)));
 }
 
-// Where the second part is larger, its rounding is lost, which is as small as those of the sum before.
+// Renormalises a sum of products. If its second part is larger than the first, the rounding error
+// is lost, which is as small as the errors that the sum already has.
 fn normal(x: Real, zero: u32) -> Real {
     return fast_two_sum(x.x, x.y, zero);
 }

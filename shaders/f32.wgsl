@@ -27,7 +27,7 @@ fn finite(x: Real) -> bool {
 }
 
 {% if compensated %}
-// A rounded value that no optimiser sees through. Without it every driver seen folds the error
+// A rounded value that no optimiser sees through. Without it, every driver tested folds the error
 // terms of two-sums to zero; a constant in place of the zero from a buffer is folded too.
 fn guard(x: Real, zero: u32) -> Real {
     return bitcast<f32>(bitcast<u32>(x) ^ zero);

@@ -1,4 +1,5 @@
-// The moment inside a step at which the top is reached. Counterpart: crates/numbers/src/polynomial.rs.
+// The moment inside a step at which the top is reached. Counterpart:
+// crates/numbers/src/polynomial.rs.
 
 // c0 + c1 x + ... + c5 x^5.
 struct Quintic {
@@ -81,7 +82,7 @@ fn first_rise(whole: Quintic) -> Real {
         if f.c1 > 0 {
             return Real(0);
         }
-        // Only a start at zero itself can be above it, by a rounding.
+        // Only a start at zero itself can lie above it, because of a rounding.
         f.c0 = Real(0);
     }
     var low = Real(0);
@@ -90,7 +91,7 @@ fn first_rise(whole: Quintic) -> Real {
         let part = part_of(f, low, span);
         let below = highest(part) < 0;
         let end = value(part, Real(1));
-        // It rises throughout where its slope does not vanish.
+        // The part rises throughout if its slope does not vanish.
         let rises = highest(negative(derivative(part))) < 0 && part.c1 > 0;
         if !below && !rises && span > Real(1e-6) {
             span *= Real(0.5);

@@ -19,7 +19,7 @@ kernel_parts! {
 /// The shader that colours the window's tiles.
 pub const PICTURE: &str = include_str!("picture.wgsl");
 
-/// The shader that shows the picture of the map that was kept, pixel by pixel.
+/// The shader that shows the kept picture of the map, pixel by pixel.
 pub const KEPT: &str = include_str!("kept.wgsl");
 
 #[cfg(test)]

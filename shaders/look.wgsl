@@ -1,16 +1,16 @@
-// Decides the steps before which `advance` stopped (counterpart: crates/engine/src/cpu/pair.rs): the first
-// trial is the whole step, and those after it end where a bob may be at the top. Every value that
-// decides anything comes from a step of the method itself.
+// Decides the steps before which `advance` stopped (counterpart: crates/engine/src/cpu/pair.rs):
+// the first trial is the whole step, and those after it end where a bob may be at the top. Every
+// value that decides anything comes from a step of the method itself.
 const WHOLE = 0u;
 // An interval in which the bob may cross the top.
 const PART = 1u;
-// An interval in which it does.
+// An interval in which the bob crosses the top.
 const CROSS = 2u;
 {% if counts_passes %}
 // A step that ends where a bob passes the top.
 const TOP = 3u;
 {% endif %}
-// Most trials for one step; a graze takes some sixty.
+// Largest number of trials for one step; a graze takes some sixty.
 const MAX_TRIALS = 400u;
 {% if counts_passes %}
 // Sine of the angle beyond the top at which a bob that has passed it is put.
@@ -201,7 +201,8 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
             length = select(0.5 * (low + high), length + newton, inside);
         }
 {% endif %}
-        // The next bob, or the first one after the whole step: finds out what there is to decide.
+        // Moves to the next bob, or to the first one after the whole step, and finds out what has
+        // to be decided.
         if goal == WHOLE || bob_done {
             bob += select(1u, 0u, goal == WHOLE);
             while bob < {{ bobs }}u {

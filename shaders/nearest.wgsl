@@ -1,6 +1,7 @@
-// A tile's pendulums on their way back to their starts (counterpart: crates/engine/src/cpu/nearest.rs); all
-// last as long as the budget, to which the last step is cut. `advance` stops before a step in which
-// the distance from the start has a minimum, and `look` finds it.
+// A tile's pendulums on their way back to their starts (counterpart:
+// crates/engine/src/cpu/nearest.rs); all run to the end of the budget, where the last step is cut.
+// `advance` stops before a step in which the distance from the start has a minimum, and `look`
+// finds it.
 
 // Halvings in the search for a minimum: its time to a billionth of a step.
 const HALVINGS = 30u;
@@ -20,7 +21,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     var suspect = false;
     while !suspect && steps < stop && rough(time) < job.budget {
 {% if not adaptive %}
-        // A product: the sum of so many steps would drift.
+        // Uses a product, because the sum of so many steps would drift.
         time = begun + real(f32(steps - first)) * h;
 {% endif %}
         let step = length_within(h, time, zero);

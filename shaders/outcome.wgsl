@@ -6,8 +6,8 @@ struct Outcome {
     // Moment of the flip, in two parts: for fixed steps the fraction of the next one, for adaptive
     // steps the reduced time.
     moment: vec2<f32>,
-    // Distance from the top that the bobs in question have kept so far, as a sine; only adaptive
-    // steps set it.
+    // Distance from the top that the watched bobs have kept so far, as a sine; only adaptive steps
+    // set it.
     clearance: f32,
 {% if counts_turns %}
     // Whole turns of the bobs, anticlockwise ones positive: two signed numbers of 16 bits.

@@ -1,5 +1,5 @@
-// Packs what a picture shows of each outcome into {{ words }} words, and adds up the work, when all pendulums
-// of a job have ended (counterpart: crates/engine/src/gpu/packing.rs).
+// Packs what a picture shows of each outcome into {{ words }} words, and adds up the work, when all
+// pendulums of a job have ended (counterpart: crates/engine/src/gpu/packing.rs).
 
 {# Counted outcomes are not packed. #}
 {% set counts_turns = false %}
@@ -20,7 +20,7 @@ struct Work {
 
 {{ statuses }}const WORDS = {{ words }}u;
 const WORKGROUP = 64u;
-// Upper bits of a word that holds a status instead of a moment: together they are no number.
+// Upper bits of a word that holds a status instead of a moment; as an f32, such a word is NaN.
 const NO_MOMENT = 0xffffff00u;
 
 @group(0) @binding(0) var<storage, read> job: Head;

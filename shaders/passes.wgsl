@@ -18,7 +18,7 @@
 {% endif %}
         }
 {% endfor %}
-        // How far the bob would rise beyond the top if its acceleration turned it round.
+        // Height to which the bob would rise beyond the top if its acceleration turned it round.
         let pull = abs(ends[passing].w - begins[passing].w) / whole;
         clearance = min(clearance, top.w * top.w / (2.0 * max(pull, 1e-30)));
     }

@@ -1,15 +1,15 @@
 // Draws the samples of tiles through a colour table.
 //
-// A tile lies in a slot of an atlas, in its upper left as long as only some samples are known, one packed
-// word per sample: the value of the time or the colour of another answer, how sure it is, and the status
-// (counterpart: crates/window/src/canvas/sample.rs). Quads say which part of which slot goes where, and how much it
-// covers of what is beneath. Between samples the light of the four nearest is mixed, and where many
-// samples lie in a pixel that of all of them, never their times: the mean of two flip times is the time of
-// no pendulum.
+// A tile lies in a slot of an atlas, or in the slot's upper left as long as only some samples are
+// known. Each sample is one packed word: the value of its time or the colour of another answer, how
+// sure it is, and its status (counterpart: crates/window/src/canvas/sample.rs). Each quad says
+// which part of a slot is drawn where, and how much it covers what is beneath. Between samples, the
+// light of the four nearest is mixed; where many samples lie in a pixel, the light of all of them.
+// Times are never mixed, because the mean of two flip times is the time of no pendulum.
 
 struct Canvas {
-    // A word's number is a value, the logarithm of a time or its height on the scale of the colours:
-    // the value of number 0, and of a step.
+    // The number in a word stands for a value, the logarithm of a time or its height on the colour
+    // scale. These are the value of the number 0 and the step from one number to the next.
     value_bias: f32,
     value_step: f32,
     // The value of the table's first entry, and table entries per unit.
@@ -21,13 +21,14 @@ struct Canvas {
     trust: u32,
     // 1 if words hold colours instead of times.
     coloured: u32,
-    // Share of the light that comes from the side; values are heights then.
+    // Share of the light that comes from the side; if there is any, values are heights.
     relief: f32,
     // Linear light of samples that have no time.
     unflipped: vec4<f32>,
     forbidden: vec4<f32>,
     failed: vec4<f32>,
-    // The direction to the light from the side, and the pixels from the left of the map to the right.
+    // The direction to the light from the side, and the number of pixels from the left of the map
+    // to its right.
     toward: vec4<f32>,
 }
 
@@ -59,7 +60,7 @@ struct Fragment {
 // Samples the nearest texel, never beyond the edge.
 @group(0) @binding(3) var nearest: sampler;
 
-// True if the target needs its colours encoded here.
+// True if colours have to be encoded for the target here.
 override ENCODE: bool = true;
 // Largest number of places along a pixel whose light is mixed where samples are many.
 override MAX_TAPS: u32 = 1u;
@@ -69,8 +70,8 @@ const SIDE: i32 = 64;
 const SLOTS_ALONG: u32 = 16u;
 const TABLE_ENTRIES: f32 = 8192.0;
 const UNCERTAIN: u32 = 4u;
-// Samples along a pixel beyond which all of them are mixed: those of the view's own level are fewer,
-// unless the view is stretched.
+// Number of samples along a pixel above which all of them are mixed. There are fewer at the view's
+// own level, unless the view is stretched.
 const MANY: f32 = 1.35;
 
 @vertex
@@ -129,8 +130,9 @@ fn encoded(light: vec3<f32>) -> vec3<f32> {
     return select(high, light * 12.92, light <= vec3<f32>(0.0031308));
 }
 
-// The factor of the light at a place among four samples, from the lower left anticlockwise, whose
-// texels run to the right and up the screen like this (counterpart: crates/scene/src/palette/relief.rs).
+// The factor of the light at a place among four samples, anticlockwise from the lower left
+// (counterpart: crates/scene/src/palette/relief.rs). `texel_x` and `texel_y` are the derivatives of
+// the texel along the screen.
 fn relief_of(words: vec4<u32>, part: vec2<f32>, texel_x: vec2<f32>, texel_y: vec2<f32>) -> f32 {
     if any((words & vec4<u32>(3u)) != vec4<u32>(ANSWERED)) {
         return 1.0;
@@ -142,15 +144,17 @@ fn relief_of(words: vec4<u32>, part: vec2<f32>, texel_x: vec2<f32>, texel_y: vec
     let most = max(max(abs(h.z - h.w), abs(h.y - h.x)), max(abs(h.x - h.w), abs(h.y - h.z)));
     let calm = clamp(1.0 - most / EDGE, 0.0, 1.0);
     let rise = vec2<f32>(across, down);
-    // Rise from the left of the map to the right, if it went on like this, and as much upwards.
+    // Rise over the map from left to right if the slope were the same everywhere, and over the same
+    // distance upwards.
     let slope = canvas.toward.w * STEEPNESS * vec2<f32>(dot(rise, texel_x), -dot(rise, texel_y));
     let light = canvas.toward.xyz;
     let facing = (light.z - dot(light.xy, slope)) * inverseSqrt(1.0 + dot(slope, slope)) / light.z;
     return 1.0 + canvas.relief * calm * calm * (3.0 - 2.0 * calm) * (max(facing, 0.0) - 1.0);
 }
 
-// The four samples around a place, anticlockwise from the lower left, and how far it lies from the
-// upper left one. Beyond the middle of its outermost samples a tile has no neighbours to mix.
+// The four samples around a place, anticlockwise from the lower left, and the distance of the place
+// from the upper left one. Beyond the middle of its outermost samples, a tile has no neighbours to
+// mix.
 struct Around {
     words: vec4<u32>,
     part: vec2<f32>,
@@ -168,7 +172,7 @@ fn nearest_word(at: Around) -> u32 {
     return select(above.x, above.y, at.part.y >= 0.5);
 }
 
-// The mean light of this many places along both sides of the pixel's parallelogram of samples.
+// The mean light of `taps` places along the two sides of the pixel's parallelogram of samples.
 fn mean_light(in: Fragment, taps: vec2<u32>, texel_x: vec2<f32>, texel_y: vec2<f32>) -> vec3<f32> {
     var sum = vec3<f32>(0.0);
     let share = 1.0 / vec2<f32>(taps);

@@ -1,4 +1,4 @@
-// Known sums and the ingredients of orbits, to judge a device by: the host compares every bit.
+// Operations with known results, by which the host judges a device.
 
 struct Zero {
     zero: u32,
@@ -7,8 +7,8 @@ struct Zero {
 // The operands, in pairs.
 @group(0) @binding(0) var<storage, read> operands: array<Real>;
 // For each pair: sum, error (of number types other than f32: difference), product, quotient, sine
-// and cosine of the first, the first rounded. Pairs of f32 have in place of the last three the exact
-// sum and product of their first parts, and the product plus the first.
+// and cosine of the first, the first rounded. Pairs of f32 have in place of the last three the
+// exact sum and product of their first parts, and the product plus the first.
 @group(0) @binding(1) var<storage, read_write> answers: array<Real>;
 @group(0) @binding(2) var<storage, read> job: Zero;
 

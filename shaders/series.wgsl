@@ -1,6 +1,7 @@
-// A tile's pendulums in Taylor steps (counterpart: crates/engine/src/cpu/taylor.rs), on unit vectors and
-// momenta. The expansion gives the length of its step and bounds on where the bobs go: `advance`
-// stops before a step in which the top may be reached, and `look` decides it on the polynomials.
+// A tile's pendulums in Taylor steps (counterpart: crates/engine/src/cpu/taylor.rs), on unit
+// vectors and momenta. The expansion gives the length of its step and bounds on where the bobs go:
+// `advance` stops before a step in which the top may be reached, and `look` decides it on the
+// polynomials.
 
 // Clearance of a bob that is below its pivot.
 const FAR = {{ far }};
@@ -9,8 +10,8 @@ fn larger(a: Real, b: Real) -> Real {
     return select(b, a, a > b);
 }
 
-// The length at which the coefficients of the last two orders, of these sizes, promise errors of the
-// tolerance.
+// The longest step in which no term of the last two orders, whose coefficients have these sizes,
+// exceeds the tolerance.
 fn length_of(last_but_one: Real, last: Real) -> Real {
     let tolerance = 0.5 * job.start;
     let longest = min(
@@ -20,8 +21,8 @@ fn length_of(last_but_one: Real, last: Real) -> Real {
     return real(min(exp2(clamp(longest, -90.0, 8.0)), {{ longest }}));
 }
 
-// Distance from the top that a bob keeps over a step; not positive where it may cross it: `y` can
-// vanish, `x` be negative, and the bob ends on the other side or can turn round.
+// Distance from the top that a bob keeps over a step; not positive if it may cross the top, that
+// is, if `y` can vanish, `x` can be negative, and the bob ends on the other side or can turn round.
 fn clearance_of(lowest: Real, nearest: Real, steady: Real, before: Real, after: Real) -> f32 {
     if lowest >= 0 {
         return FAR;

@@ -20,7 +20,7 @@
         if flipped {
             break;
         }
-        // How far the bob would rise beyond the top if its acceleration turned it round.
+        // Height to which the bob would rise beyond the top if its acceleration turned it round.
         let speed = rough(value_at(speeds[bob], place * length));
         let pull = abs(rough(slope_at(speeds[bob], place * length)));
         clearance = min(clearance, speed * speed / (2.0 * max(pull, 1e-30)));

@@ -1,5 +1,5 @@
-// The data layout that host and kernels share. Counterpart: crates/engine/src/gpu/shared.rs; a test compares
-// offsets.
+// The data layout that host and kernels share. Counterpart: crates/engine/src/gpu/shared.rs; a
+// test compares offsets.
 
 struct Job {
     // Pendulums in the job.
@@ -14,8 +14,8 @@ struct Job {
     step: vec2<f32>,
     // Reduced time at which adaptive steps end.
     budget: f32,
-    // log2 of the squared tolerance at the release, what a unit of time adds to it, and where that
-    // ends.
+    // log2 of the squared tolerance at the release, the amount that a unit of time adds to it, and
+    // its largest value.
     start: f32,
     rise: f32,
     ceiling: f32,
@@ -60,7 +60,7 @@ const WORKGROUP = 64u;
 {% if counts_passes %}
 // Number of passes of the top after which a pendulum is done.
 const PASSES = {{ passes }}u;
-// Most passes in one step.
+// Largest number of passes in one step.
 const MAX_PASSES = 8u;
 
 fn passes_of(pixel: u32) -> u32 {
@@ -69,8 +69,8 @@ fn passes_of(pixel: u32) -> u32 {
 }
 
 {% endif %}
-// Gives a pendulum that has ended its status; one that has not keeps the one that the host set, and
-// the host accepts no answer of it.
+// Sets the status of a pendulum that has ended. A pendulum that has not ended keeps the status that
+// the host set, and the host accepts no answer from it.
 fn end(pixel: u32, status: u32) {
     outcomes[pixel].status = (outcomes[pixel].status & ~255u) | status;
 }

@@ -1,5 +1,5 @@
-// A tile's pendulums with the tangents of their motion (counterpart: crates/engine/src/cpu/tangents.rs): all
-// last as long as the budget, to which the last step is cut.
+// A tile's pendulums with the tangents of their motion (counterpart:
+// crates/engine/src/cpu/tangents.rs): all run to the end of the budget, where the last step is cut.
 
 // Largest slope before all are made smaller by a power of two, so that none overflows.
 const LARGE = {{ large }};
@@ -20,7 +20,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     let stop = min(steps + job.slice_steps, most_steps);
     while steps < stop && rough(time) < job.budget {
 {% if not adaptive %}
-        // A product: the sum of so many steps would drift.
+        // Uses a product, because the sum of so many steps would drift.
         time = begun + real(f32(steps - first)) * h;
 {% endif %}
         let step = length_within(h, time, zero);
@@ -59,7 +59,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     put_on(1u - queue.turn, pixel, sound && !over);
 }
 
-// No step waits for a verdict.
+// Does nothing, because no step has to be searched.
 @compute @workgroup_size(WORKGROUP)
 fn look() {
 }

@@ -15,14 +15,13 @@ use super::{Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, Jo
 
 /// Length of one poll, after which the thread looks for new orders again.
 const TURN: Duration = Duration::from_millis(4);
-/// Number of jobs that wait behind those the engine works on, so that it is not idle between two
-/// frames.
+/// Number of jobs queued behind those that the engine works on, to keep it busy between two frames.
 const AHEAD: usize = 1;
 
 /// A message from the caller to the thread.
 enum Order {
     Submit(Box<Job>),
-    /// Drops all jobs; answers to these carry an older number.
+    /// Drops all jobs. The answers that follow carry this number.
     Cancel(u64),
     BeginPicture,
 }
@@ -53,22 +52,23 @@ pub struct Background {
     adapter: String,
     offered: Offered,
     stats: Arc<Mutex<Option<GpuStats>>>,
-    /// The end of the thread, the last to be dropped: it comes once `orders` is gone.
+    /// Joins the thread. This field is dropped last, because the thread ends only once `orders` is
+    /// gone.
     _ended: JoinOnDrop,
 }
 
-/// Waits for the end of a thread, if there is one to wait for. A driver that is still at work when the
-/// process ends may crash it.
+/// Waits for a thread, if there is one, to end. A driver that is still working when the process
+/// ends may crash it.
 struct JoinOnDrop(Option<JoinHandle<()>>);
 
 impl Drop for JoinOnDrop {
     fn drop(&mut self) {
-        // A panic there has been reported as the loss of the device.
+        // A panic in the thread has already been reported as a lost device.
         let _ = self.0.take().map(JoinHandle::join);
     }
 }
 
-/// Test of whether an engine on another thread has a configuration.
+/// A function that tests whether an engine on another thread offers a configuration.
 type Offered = Box<dyn Fn(&IntegratorConfig) -> bool + Send>;
 
 /// Opens an engine on a new thread; `wake` is called whenever there is news.
@@ -80,7 +80,7 @@ pub fn open(
     std::thread::Builder::new().name("engine".to_string()).spawn(move || {
         match choose() {
             Err(error) => {
-                // Without a receiver the window is closed, and the error is of no interest.
+                // If the receiver is gone, the window is closed, and nobody needs the error.
                 let _ = sender.send(Err(error));
                 wake();
             }
@@ -101,12 +101,12 @@ pub fn open(
 }
 
 impl PendingEngine {
-    /// Returns the engine, or why there is none, once that is known.
+    /// Returns the engine, or the reason why there is none; `None` while it is being opened.
     pub fn poll(&self) -> Option<Result<Background, ChoiceError>> {
         self.receiver.try_recv().ok()
     }
 
-    /// Waits for the engine; returns none if its thread died.
+    /// Waits for the engine; returns `None` if its thread died.
     #[cfg(test)]
     fn wait(self) -> Option<Result<Background, ChoiceError>> {
         self.receiver.recv().ok()
@@ -114,7 +114,7 @@ impl PendingEngine {
 }
 
 /// Moves an open engine to a thread of its own; `offered` returns true for the configurations that
-/// it has.
+/// the engine has.
 pub(crate) fn on_its_own_thread(
     mut engine: impl Engine + Send + 'static,
     config: IntegratorConfig,
@@ -192,7 +192,8 @@ fn serve(engine: &mut dyn Engine, served: &Served, wake: &dyn Fn()) {
 }
 
 impl Background {
-    /// The caller's view of an engine, and the thread's ends of the channels between them.
+    /// Returns the caller's view of an engine, and the thread's ends of the channels between the
+    /// two.
     fn beside(
         engine: &dyn Engine,
         (why, config, following): (String, IntegratorConfig, Following),
@@ -383,7 +384,7 @@ mod tests {
         engine.submit(job(1)).unwrap();
         engine.begin_picture();
         engine.submit(job(2)).unwrap();
-        // What is submitted just before the engine is dropped may be left undone.
+        // A job submitted just before the engine is dropped may never run.
         while !engine.poll(Wait::UntilFinished).unwrap().iter().any(|finished| finished.id == 2) {}
         drop(engine);
         assert_eq!(events.iter().collect::<Vec<_>>(), ["job 1", "picture", "job 2"]);

@@ -5,20 +5,21 @@ use std::str::FromStr;
 
 use super::{IntegratorConfig, Precision};
 
-/// The choice of starts that are followed as cells first.
+/// A choice of the starts that are first followed as cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cells {
     /// Starts so close together that following cells saves time, or that their number type cannot
     /// tell them apart.
     #[default]
     Auto,
-    /// No starts at all.
+    /// No starts.
     Never,
-    /// All of them.
+    /// All starts.
     Always,
 }
 
-/// Starts that a number type cannot tell apart were to be integrated from their release.
+/// The error for starts that would be integrated from their release although their number type
+/// cannot tell them apart.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "starts {pixel_rad:.1e} {unit} apart cannot be integrated from their release in {precision}, \
@@ -39,7 +40,7 @@ impl Indistinguishable {
     }
 }
 
-/// Least distance between starts that can be told apart, in roundings of an angle.
+/// Least distance between starts that a number type can tell apart, in rounding errors of π.
 const ROUNDINGS: f64 = 30.0;
 
 impl Cells {
@@ -56,7 +57,7 @@ impl Cells {
     }
 
     /// Returns an error if starts `pixel_rad` (rad) apart would have to be integrated from their
-    /// release and cannot be.
+    /// release but are too close together for that.
     pub fn check(self, config: &IntegratorConfig, pixel_rad: f64) -> Result<(), Indistinguishable> {
         let precision = config.precision;
         let least_rad = ROUNDINGS * std::f64::consts::PI * precision.epsilon();
@@ -67,7 +68,7 @@ impl Cells {
     }
 }
 
-/// The form in options and files.
+/// Writes the word that stands for the choice in options and files.
 impl fmt::Display for Cells {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {

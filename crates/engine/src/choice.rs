@@ -22,7 +22,8 @@ pub struct EngineRequest {
     pub setting: IntegrationSetting,
     /// The ends that the configuration has to compute, if any configuration of the level can.
     pub ends: WantedEnds,
-    /// True if answers will be checked at levels other than `exact`, too (see [`EngineRequest::verifies`]).
+    /// True if answers are checked even at levels other than `exact` (see
+    /// [`EngineRequest::verifies`]).
     pub verify: bool,
     /// Settings of an adapter that change no answer.
     pub tuning: GpuTuning,
@@ -31,9 +32,9 @@ pub struct EngineRequest {
 }
 
 impl EngineRequest {
-    /// The same request for an engine and a precision that can answer a question. For growth and
-    /// returns this is the processor unless another engine is named, because engines are not compared
-    /// for these.
+    /// Restricts the request to an engine and a precision that can answer a question. For growth
+    /// and returns this is the processor unless the request names an engine or an adapter, because
+    /// profiles do not compare engines on these questions.
     #[must_use]
     pub fn answering(self, question: &QuestionSettings) -> Self {
         let ends = WantedEnds::from(question.ask.kind().needs);
@@ -42,21 +43,21 @@ impl EngineRequest {
         EngineRequest { kind, ends, ..self }
     }
 
-    /// Returns true if answers will be checked: the kernel of the checks is judged before, and an adapter
-    /// on which it fails leaves them to the processor.
+    /// Returns true if answers will be checked. The kernel that checks them is tested first; an
+    /// adapter on which it fails leaves the checks to the processor.
     pub fn verifies(&self) -> bool {
         self.verify || self.setting == IntegrationSetting::Accuracy(Accuracy::Exact)
     }
 
-    /// Returns true if a configuration of another request cannot compute this one's ends, but one that
-    /// satisfies this request can.
+    /// Returns true if `config` cannot compute the ends of this request, but another configuration
+    /// that satisfies the request can.
     pub fn outgrows(&self, config: &IntegratorConfig) -> bool {
         let can = |config: &IntegratorConfig| self.ends.check(config).is_ok();
         !can(config) && self.configs().iter().any(can)
     }
 
-    /// The configurations that satisfy the setting and compute the ends, the preferred one first;
-    /// all that satisfy the setting if none computes the ends.
+    /// Returns the configurations that satisfy the setting and compute the ends, the preferred one
+    /// first; if none computes the ends, all that satisfy the setting.
     fn configs(&self) -> Vec<IntegratorConfig> {
         let mut configs = self.setting.configs();
         if configs.iter().any(|config| self.ends.check(config).is_ok()) {
@@ -110,7 +111,7 @@ impl IntegrationSetting {
 /// Reasons why no engine fits the request.
 #[derive(Debug, thiserror::Error)]
 pub enum ChoiceError {
-    /// No adapter, or none that is sound, and the processor was not allowed.
+    /// There is no adapter, or none passed the self-check, and the processor was not allowed.
     #[error("{0}")]
     NoAdapter(String),
     /// The requested adapter is not present.
@@ -153,13 +154,14 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
     Ok(Chosen { engine: Box::new(engine), ..chosen })
 }
 
-/// Chooses the fastest engine of the profile. Adapters are not even opened where only the processor
-/// has the method, or where engines are not compared by it.
+/// Chooses the fastest engine of the profile. Opens no adapter if only the processor has the
+/// method, or if profiles do not compare engines by it.
 fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let configs = request.configs();
     let on_cpu = configs.iter().any(CpuEngine::offers);
     if on_cpu && !configs.iter().any(Adapter::has_kernels) {
-        return cpu(request, "only the processor has this method and precision".to_string());
+        let why = "only the processor has this method and precision";
+        return cpu(request, if cfg!(feature = "gpu") { why } else { INSTALL_HINT }.to_string());
     }
     if configs.iter().all(|config| config.method.is_series()) {
         return cpu(request, "engines are not compared by this method".to_string());
@@ -187,8 +189,8 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
     }
 }
 
-/// The fastest row that satisfies the setting: a row of the level itself, or, for an explicit
-/// configuration, of the level whose configurations are most like it.
+/// Returns the fastest row for a setting: a row of its level or, for an explicit configuration, of
+/// the level whose configurations are most like it.
 fn fastest(profile: &Profile, setting: IntegrationSetting) -> Option<&ProfileRow> {
     match setting {
         IntegrationSetting::Accuracy(accuracy) => profile.fastest(accuracy, |_| true),
@@ -285,7 +287,7 @@ mod tests {
         }
     }
 
-    /// However it is asked for: from the library, Python, a plan or a window.
+    /// Holds for requests from the library, from Python, from a plan and from a window.
     #[test]
     fn exact_is_verified() {
         let request = |accuracy, verify| {

@@ -12,14 +12,14 @@ pub struct FinalState {
     pub time: f64,
     /// Unit vectors along the rods, and momenta.
     pub phase: Phase<f64>,
-    /// Lower bound on the distance from the top (as a sine) at which a watched bob turned round
-    /// before; [`crossing::FAR`] for methods that cannot tell.
+    /// Lower bound on the distance from the top (as a sine) at which a watched bob has turned round
+    /// before the end; [`crossing::FAR`] for methods that cannot tell.
     pub clearance: f64,
     /// Factor by which neighbours had moved apart between the release and the beginning of the
-    /// start's own integration: 1 where that began at rest, infinite where none was needed.
+    /// start's own integration: 1 if the integration began at rest, infinite if none was needed.
     pub grown: f64,
-    /// Error of the start map from which the start's own integration began, or which tells its answer,
-    /// taken back to the release: what its polynomials leave out, in rad; 0 where there was no map.
+    /// Truncation error of the start map that gave the answer or the state from which the start was
+    /// integrated, expressed as an error of the release in rad; 0 without a start map.
     pub map_error: f64,
     /// Quantities gathered since the release.
     pub gathered: Accumulators,

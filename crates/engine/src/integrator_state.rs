@@ -1,4 +1,4 @@
-//! Pendulums between two jobs.
+//! States of pendulums between two jobs.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use super::WantedEnds;
 use flipmap_pendulum::Accumulators;
 use flipmap_pendulum::phase::Phase;
 
-/// Most numbers that a pendulum's state can have, see [`super::start`].
+/// Largest number of values in a pendulum's state (see [`super::start`]).
 pub const NUMBERS: usize = 15;
 
 /// An unfinished pendulum between two jobs, exactly as the kernel left it.
@@ -14,14 +14,14 @@ pub const NUMBERS: usize = 15;
 pub struct IntegratorState {
     /// Number of steps taken; for adaptive methods, of steps tried.
     pub steps: u32,
-    /// The state in the kernel's units and in the order that [`super::start`] gives; exact for every
-    /// precision.
+    /// The state in the kernel's units and in the order that [`super::start`] gives; exact for
+    /// every precision.
     pub numbers: [f64; NUMBERS],
-    /// The quantities that it carries along besides, where the question needs any.
+    /// Quantities that the pendulum carries along with its state, if the question needs any.
     pub carried: Option<Box<Carried>>,
 }
 
-/// Quantities that a pendulum carries along besides its state.
+/// Quantities that a pendulum carries along with its state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Carried {
     /// Turns and passes counted since the release.
@@ -30,12 +30,12 @@ pub enum Carried {
     Return {
         /// The start, in reduced units.
         start: Phase<f64>,
-        /// True once it has left its start.
+        /// True once the pendulum has left its start.
         has_left: bool,
-        /// Least distance since then, and its reduced time.
+        /// Least distance from the start since then, and the reduced time at which it occurred.
         nearest: [f64; 2],
     },
-    /// Derivatives of unit vectors and momenta by the four numbers of the start.
+    /// Derivatives of unit vectors and momenta with respect to the four numbers of the start.
     Tangents {
         /// The derivatives, scaled down so that none overflows.
         slopes: [[f64; 4]; 6],
@@ -44,7 +44,8 @@ pub enum Carried {
     },
 }
 
-/// Names of the slopes of unit vectors and momenta by the four numbers of the start.
+/// Names of the derivatives of unit vectors and momenta with respect to the four numbers of the
+/// start.
 pub(crate) const SLOPES: [[&str; 4]; 6] = [
     ["x1_a", "x1_b", "x1_c", "x1_d"],
     ["y1_a", "y1_b", "y1_c", "y1_d"],
@@ -58,14 +59,15 @@ pub(crate) const LOG_SCALE: &str = "log_scale";
 /// Names of the unit vectors and momenta of the start.
 pub(crate) const STARTS: [&str; 6] =
     ["x1_start", "y1_start", "x2_start", "y2_start", "p1_start", "p2_start"];
-/// Names of the state of the search for the nearest return: 1 once the start has been left, the least
-/// distance, and its time.
+/// Names of the state of the search for the nearest return: 1 once the start has been left, the
+/// least distance, and its time.
 pub(crate) const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
 
-/// Most numbers that a pendulum can carry along.
+/// Largest number of values that a pendulum can carry along.
 pub(crate) const MAX_CARRIED_NUMBERS: usize = 25;
 
-/// Names of the numbers that pendulums carry along for such ends, as devices keep them.
+/// Returns the names of the numbers that pendulums carry along for `ends`, in the order in which
+/// devices keep them.
 pub(crate) fn carried_names(ends: WantedEnds) -> Vec<&'static str> {
     match ends {
         WantedEnds::None | WantedEnds::Plain => Vec::new(),
@@ -75,7 +77,7 @@ pub(crate) fn carried_names(ends: WantedEnds) -> Vec<&'static str> {
 }
 
 impl Carried {
-    /// A number, by its place among [`carried_names`].
+    /// Returns the number at `place` in the order of [`carried_names`].
     fn number(&self, place: usize) -> f64 {
         match self {
             Carried::Counts(_) => 0.0,
@@ -90,7 +92,8 @@ impl Carried {
         }
     }
 
-    /// The quantities that have these numbers, if pendulums carry any along for such ends.
+    /// Reads the quantities from their numbers; returns `None` if pendulums carry none along for
+    /// `ends`.
     fn from_numbers(ends: WantedEnds, numbers: &[f64]) -> Option<Self> {
         match ends {
             WantedEnds::None | WantedEnds::Plain => None,
@@ -110,7 +113,7 @@ impl Carried {
 }
 
 impl IntegratorState {
-    /// A state from all its numbers: its own, and those that it carries along for such ends.
+    /// Creates a state from all its numbers: its own, then those that it carries along for `ends`.
     pub(crate) fn from_numbers(steps: u32, all: &[f64], ends: WantedEnds) -> Self {
         let (own, carried) = all.split_at(NUMBERS);
         let mut numbers = [0.0; NUMBERS];
@@ -119,18 +122,18 @@ impl IntegratorState {
         IntegratorState { steps, numbers, carried }
     }
 
-    /// A number by its place: the state's own come first, then those that it carries along.
+    /// Returns the number at `place`: the state's own come first, then those that it carries along.
     pub(crate) fn number(&self, place: usize) -> f64 {
         let carried = || self.carried.as_deref().map(|carried| carried.number(place - NUMBERS));
         self.numbers.get(place).copied().or_else(carried).unwrap_or(0.0)
     }
 
-    /// A state that carries nothing else along.
+    /// Creates a state that carries nothing along.
     pub fn new(steps: u32, numbers: [f64; NUMBERS]) -> Self {
         IntegratorState { steps, numbers, carried: None }
     }
 
-    /// The slopes that it carries along; zeros where it has no tangents.
+    /// Returns the slopes that the state carries along, or zeros if it has no tangents.
     pub(crate) fn slopes(&self) -> [[f64; 4]; 6] {
         match self.carried.as_deref() {
             Some(Carried::Tangents { slopes, .. }) => *slopes,

@@ -10,8 +10,8 @@ use flipmap_scene::question::Needs;
 pub struct Keep {
     /// The ends of all pendulums.
     pub ends: WantedEnds,
-    /// True for the states of pendulums unflipped at the end of the budget, so that they can be
-    /// continued.
+    /// True if the job returns the states of pendulums that have not flipped by the end of the
+    /// budget, so that they can be continued.
     pub states: bool,
 }
 
@@ -21,7 +21,7 @@ pub enum WantedEnds {
     /// No ends.
     #[default]
     None,
-    /// Plain ends, so that answers can be compared.
+    /// Ends without growth or a nearest return.
     Plain,
     /// Ends with the growth of nudges, for which tangents are carried along.
     Growth,
@@ -30,7 +30,7 @@ pub enum WantedEnds {
 }
 
 impl Keep {
-    /// No states.
+    /// Neither ends nor states.
     pub const NOTHING: Keep = Keep { ends: WantedEnds::None, states: false };
     /// The states of pendulums unflipped at the end of the budget.
     pub const STATES: Keep = Keep { ends: WantedEnds::None, states: true };
@@ -40,7 +40,7 @@ impl Keep {
     /// Returns an error if an integrator config cannot compute what is kept.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
         if self.states && self.ends.are_carried() && config.precision == Precision::Dd {
-            // The quantities that they carry along are kept in f64.
+            // Carried quantities are kept in f64.
             let why = "growth and returns in dd cannot be continued: omit `state`";
             return Err(EngineError::Unsupported(why.to_string()));
         }
@@ -49,12 +49,12 @@ impl Keep {
 }
 
 impl WantedEnds {
-    /// Returns true if pendulums carry numbers along for them (see [`super::Carried`]).
+    /// Returns true if pendulums carry numbers along for these ends (see [`super::Carried`]).
     pub fn are_carried(self) -> bool {
         matches!(self, WantedEnds::Growth | WantedEnds::Return)
     }
 
-    /// Returns an error if an integrator config cannot compute them.
+    /// Returns an error if an integrator config cannot compute these ends.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
         let method = config.method;
         let is_eighth = matches!(method, Method::Dop853 { .. });

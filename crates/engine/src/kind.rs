@@ -23,7 +23,7 @@ impl fmt::Display for EngineKind {
     }
 }
 
-/// A text that names no kind of engine.
+/// The error for a text that names no kind of engine.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no engine '{0}': it is cpu or gpu")]
 pub struct UnknownEngine(String);

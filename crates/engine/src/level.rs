@@ -1,4 +1,4 @@
-//! Accuracy levels: the user's word for how right a picture must be, and the methods behind it.
+//! Accuracy levels, by which users say how accurate a picture must be, and their configurations.
 
 use std::fmt;
 use std::str::FromStr;
@@ -18,7 +18,7 @@ pub enum Accuracy {
     /// Right within 1 ms, except for one pixel in a thousand.
     #[default]
     Balanced,
-    /// Balanced, with every pixel checked, and marked where the checks disagree.
+    /// As [`Accuracy::Balanced`], with every pixel checked, and marked where the checks disagree.
     Exact,
 }
 
@@ -35,7 +35,7 @@ pub const BALANCED: IntegratorConfig =
 pub const BALANCED_DF32: IntegratorConfig =
     IntegratorConfig { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
 
-/// The finest configuration in f64, by which `exact` checks what others leave open.
+/// The finest configuration in f64, by which `exact` checks the pixels that others leave open.
 pub const FINEST: IntegratorConfig =
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 };
 
@@ -52,8 +52,8 @@ impl Accuracy {
         ("exact", Accuracy::Exact),
     ];
 
-    /// The configurations that keep the level's promise, in the order of preference that holds
-    /// until they are measured; which of them is the fastest depends on the adapter.
+    /// Returns the configurations that keep the level's promise, in the order of preference that
+    /// holds until a profile shows which of them is fastest on an adapter.
     pub fn configs(self) -> Vec<IntegratorConfig> {
         match self {
             Accuracy::Lesson => vec![LESSON],
@@ -129,7 +129,7 @@ impl Method {
         }
     }
 
-    /// The method with another tolerance; none for fixed steps.
+    /// Returns the method with another tolerance, or `None` for fixed steps.
     pub(crate) fn with_tolerance(self, tolerance: f64) -> Option<Method> {
         match self {
             Method::Rk4 { .. } => None,
@@ -140,7 +140,7 @@ impl Method {
         }
     }
 
-    /// The method's tolerance; none for fixed steps.
+    /// Returns the method's tolerance, or `None` for fixed steps.
     pub fn tolerance(self) -> Option<f64> {
         match self {
             Method::Rk4 { .. } => None,

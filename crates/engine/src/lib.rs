@@ -9,7 +9,7 @@
 //! * [`cpu`] runs the same physics over threads and SIMD lanes;
 //! * [`depth`] follows the starts of a deep zoom to the point where another engine can take over;
 //! * [`background`] runs any of them on a thread of its own;
-//! * [`mock`] answers at once, for tests of everything above engines;
+//! * [`mock`] answers at once, for tests of everything that uses engines;
 //! * [`trust`] checks the answers of another engine until two methods agree;
 //! * `gpu::selfcheck` decides which arithmetic of an adapter is trusted, [`profile`] measures what the
 //!   configurations cost, [`choice`] selects an engine and a configuration, and [`run_settings`]
@@ -84,16 +84,16 @@ pub use starts::{Deep, Leaf, Onset, Separable, StartList, Starts};
 pub(crate) use starts::{Moving, MovingStarts};
 pub use trust::Trust;
 
-/// The event that a job looks for from each of its starts, and until when.
+/// The event that a job looks for from each of its starts, and the budget of time for the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventSpec {
     /// The pendulum; gravity must pull.
     pub build: PendulumSpec,
     /// The rule that says which bob is watched.
     pub rule: Rule,
-    /// Simulated seconds a start may use.
+    /// Longest time in s that a start is simulated.
     pub budget_secs: f64,
-    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for none.
+    /// Number of passes of the top after which a pendulum is done; [`u32::MAX`] for no limit.
     pub passes: u32,
 }
 
@@ -122,7 +122,8 @@ impl EventSpec {
         (pendulum.to_f64(), unit_secs.to_f64())
     }
 
-    /// The first moments of launches, for passes that answers with such ends tell or count.
+    /// Returns the opening that finds the first moments of launches, for the passes that answers
+    /// with `ends` report or count.
     pub(crate) fn opening(&self, ends: WantedEnds) -> Opening {
         let (pendulum, unit_secs) = self.reduced_in::<Exact>();
         let bobs = match self.rule {
@@ -186,8 +187,9 @@ impl Job {
             // These methods keep one tolerance throughout.
             (_, Method::Taylor { .. } | Method::Extrapolation { .. }, Starts::Moving(_)) => pace,
             (Pace::Adaptive(adaptive), _, Starts::Moving(moving)) => {
-                // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels (in a larger
-                // leaf, neighbours differ by less), and doubled in f64 since the tolerance rises.
+                // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels (in a
+                // larger leaf, neighbours differ by less), and doubled in f64 since the tolerance
+                // rises.
                 let finer = if self.config.precision == Precision::F32 { 200.0 } else { 2000.0 };
                 let finer = finer * f64::from(self.config.leaf_pixels()) / 16.0;
                 let control = adaptive.control.after_a_cell(moving.since, moving.end, finer);
@@ -205,9 +207,9 @@ pub struct JobResult {
     pub id: u64,
     /// One outcome per start, in the order of the starts.
     pub outcomes: Vec<Outcome>,
-    /// Index and state of each start still unflipped, if they were to be kept.
+    /// Index and state of each pendulum that has not flipped, if the job keeps states.
     pub unfinished: Vec<(usize, IntegratorState)>,
-    /// The end of each start, if it was to be kept.
+    /// The end of each pendulum, if the job keeps ends.
     pub ends: Vec<FinalState>,
     /// Trust in each outcome; empty if nothing was checked.
     pub trusts: Vec<Trust>,
@@ -225,7 +227,7 @@ pub struct Effort {
     pub rhs_evaluations: u64,
     /// Steps tried, summed over all pendulums.
     pub steps: u64,
-    /// Steps for which the lanes had room meanwhile, including those of idle lanes.
+    /// Number of lane steps, counting those of idle lanes.
     pub lane_steps: u64,
 }
 
@@ -262,7 +264,7 @@ pub enum EngineError {
     /// A request exceeds the adapter's limits.
     #[error("{what} needs {needed}, but this adapter allows at most {allowed}")]
     LimitExceeded {
-        /// Name of what is too large.
+        /// Name of the quantity that is too large.
         what: &'static str,
         /// Size that is needed.
         needed: u64,
@@ -275,7 +277,7 @@ pub enum EngineError {
     /// The device was lost and could not be opened again.
     #[error("the graphics device was lost and could not be recreated: {0}")]
     DeviceLost(String),
-    /// A device finished a job without ending all its pendulums.
+    /// A device finished a job without finishing all its pendulums.
     #[error(
         "the graphics device lost {lost} of {count} pendulums of a job; its answers cannot be \
          trusted; use `engine` cpu"
@@ -305,20 +307,19 @@ pub trait Engine {
     fn begin_picture(&mut self) {}
     /// Number of jobs in flight that keep the engine busy.
     fn slots(&self) -> usize;
-    /// Number of starts in a job of good size.
+    /// A suitable number of starts for a job.
     fn job_size(&self) -> usize;
     /// The hardware that it computes on.
     fn kind(&self) -> EngineKind;
     /// The adapter's name, or the processor's SIMD width and threads.
     fn adapter(&self) -> String;
-    /// Reports whether the engine has the configuration and can be trusted with it.
+    /// Returns true if the engine has the configuration and can be trusted with it.
     fn offers(&self, config: &IntegratorConfig) -> bool;
-    /// Reports whether checks by the configuration are made on this engine, and not on the processor
-    /// beside it.
+    /// Returns true if checks with the configuration run on this engine and not on the processor.
     fn checks_by(&self, config: &IntegratorConfig) -> bool {
         self.offers(config)
     }
-    /// Counts of what a graphics device did; none for other engines.
+    /// Returns the statistics of a graphics device, or `None` for other engines.
     fn gpu_stats(&self) -> Option<GpuStats> {
         None
     }

@@ -1,4 +1,4 @@
-//! Methods and precisions, and what follows from them alone.
+//! Methods and precisions, with the properties that depend on nothing else.
 
 use std::fmt;
 use std::str::FromStr;
@@ -31,11 +31,11 @@ pub enum Method {
         /// Tolerance of one step, the same at all times.
         tolerance: f64,
     },
-    /// Extrapolated midpoint rules: the check of expansions in `dd`. Users cannot ask for it by
-    /// name.
+    /// Extrapolated midpoint rules: the check of expansions in `dd`. Users cannot select this
+    /// method by name.
     Extrapolation {
-        /// Tolerance of one step, the same at all times, for the result without the last of its
-        /// rules.
+        /// Tolerance of one step, the same at all times; it holds for the result without the last
+        /// midpoint rule.
         tolerance: f64,
     },
 }
@@ -93,7 +93,8 @@ impl Method {
         }
     }
 
-    /// Least tolerance that this method can keep in `precision`, if the two go together.
+    /// Returns the least tolerance that the method can keep in `precision`, or `None` if the two do
+    /// not go together.
     pub(crate) fn least_tolerance(self, precision: Precision) -> Option<f64> {
         match (self, precision) {
             (Method::Rk4 { .. } | Method::Dopri5 { .. } | Method::Dop853 { .. }, Precision::Dd)

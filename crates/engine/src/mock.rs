@@ -19,7 +19,7 @@ pub struct MockEngine {
     pub backwards: bool,
     /// Number of submissions before the job that is refused, if any.
     pub fail_at: Option<usize>,
-    /// Number of starts in a job of good size.
+    /// A suitable number of starts for a job.
     pub job_size: usize,
     /// Number of jobs taken so far.
     pub submitted: usize,
@@ -29,7 +29,7 @@ pub struct MockEngine {
     pub most_in_flight: usize,
     /// Jobs in flight.
     pub queue: VecDeque<Job>,
-    /// Listener to the jobs and the beginnings of pictures, in their order.
+    /// Channel to which each job taken and each picture begun is reported, in order.
     pub told: Option<Sender<String>>,
 }
 
@@ -99,7 +99,8 @@ impl MockEngine {
         leaf.points.iter().map(angle).collect()
     }
 
-    /// The start that a saved state belongs to; refused where an engine could not continue it.
+    /// Returns the start that a saved state belongs to, or an error if an engine could not continue
+    /// it.
     fn resumed(question: &EventSpec, state: &IntegratorState) -> Result<[Dd; 2], EngineError> {
         let [budget_secs, q, hi1, lo1, hi2, lo2, ..] = state.numbers;
         if q != question.build.gravity.value() || budget_secs >= question.budget_secs {

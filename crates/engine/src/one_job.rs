@@ -7,7 +7,7 @@ use super::{Engine, EngineError, EventSpec, IntegratorConfig, Job, JobResult, Ke
 /// Longest wait before `keep_going` is called again.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Runs one job on an engine and returns its result; none once `keep_going` returns false.
+/// Runs one job on an engine and returns its result, or `None` once `keep_going` returns false.
 pub fn run_job(
     engine: &mut dyn Engine,
     question: EventSpec,

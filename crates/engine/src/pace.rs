@@ -1,4 +1,4 @@
-//! The steps over the budget of a job: what a method needs to know before the job can run.
+//! The pace of a job: its fixed steps or its step size control, chosen before the job runs.
 
 use super::method::COLUMNS;
 use super::{EngineError, EventSpec, IntegratorConfig, Method, Precision};
@@ -36,7 +36,8 @@ impl Pace {
         }
     }
 
-    /// The same pace in steps of one tolerance at all times, whose error falls with this order.
+    /// Gives Taylor steps the same tolerance at all times, with an error that falls with `order`;
+    /// leaves the pace of other methods unchanged.
     pub(super) fn steady(self, method: Method, order: u32) -> Self {
         match (self, method) {
             (Pace::Adaptive(adaptive), Method::Taylor { tolerance }) => {
@@ -56,8 +57,8 @@ impl Pace {
         }
     }
 
-    /// Number of steps after which a pendulum is stopped; for fixed steps, of those that begin
-    /// within the budget.
+    /// Number of steps after which a pendulum is stopped; for fixed steps, the number of those that
+    /// begin within the budget.
     pub(crate) fn most_steps(&self) -> u32 {
         match self {
             Pace::Fixed(steps) => steps.count,
@@ -65,8 +66,8 @@ impl Pace {
         }
     }
 
-    /// The same for pendulums that are followed to the very end of the budget: of fixed steps, the
-    /// last one is short, and may be cut in two by rounding.
+    /// Number of steps after which a pendulum that is followed to the very end of the budget is
+    /// stopped. The last fixed step is short, and rounding may cut it in two.
     pub(crate) fn most_steps_to_end(&self) -> u32 {
         match self {
             Pace::Fixed(steps) => steps.count + 2,
@@ -105,8 +106,8 @@ impl Adaptive {
         }
     }
 
-    /// The same steps, with their greatest number raised for pendulums that set out with reduced
-    /// angular velocities up to `fastest`.
+    /// Allows more steps, for pendulums that set out with reduced angular velocities up to
+    /// `fastest`.
     #[must_use]
     pub(super) fn for_launches(self, question: &EventSpec, fastest: f64) -> Self {
         let (reduced, _) = question.reduced();
@@ -191,7 +192,7 @@ impl Steps {
         outcome_at((f64::from(steps) + fraction) * self.length_secs, self.budget_secs)
     }
 
-    /// The way in which the stages of a step find their directions, chosen by the greatest turn
+    /// Chooses the way in which the stages of a step find their directions, by the greatest turn
     /// that the scene's energy allows in one step.
     pub(crate) fn turning(&self, question: &EventSpec, precision: Precision) -> Turning {
         if self.thrown {

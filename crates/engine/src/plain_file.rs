@@ -1,22 +1,22 @@
-//! Plain files, read up to the greatest length that a file of flipmap's can have. Anything else is
-//! refused, because a pipe would make flipmap wait and a device has no end.
+//! Reads plain files up to a size limit. Anything else is refused, because a pipe would make
+//! flipmap wait and a device has no end.
 
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// Largest size in bytes of a text file: a scene, a film's keys or a plan. Far above that of a film of
-/// 100,000 keys.
+/// Largest size in bytes of a text file: a scene, a film's keys or a plan. A film of 100,000 keys
+/// is far smaller.
 const MAX_TEXT_BYTES: u64 = 64 << 20;
 
-/// Opens a file for reading; refuses a pipe, a device or a folder, without waiting for one.
+/// Opens a file for reading; refuses a pipe, a device or a folder without waiting.
 pub fn open_plain(path: &Path) -> io::Result<File> {
     let mut options = File::options();
     options.read(true);
     #[cfg(unix)]
     {
         use std::os::unix::fs::OpenOptionsExt;
-        // Without it, opening a pipe waits for its writer.
+        // Without this flag, opening a pipe waits for its writer.
         options.custom_flags(rustix::fs::OFlags::NONBLOCK.bits() as i32);
     }
     let file = options.open(path)?;
@@ -39,12 +39,12 @@ pub fn read_plain(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     }
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(length as usize).map_err(|_| io::ErrorKind::OutOfMemory)?;
-    // It may grow meanwhile.
+    // The file may grow while it is read.
     let read = file.take(most + 1).read_to_end(&mut bytes)?;
     if read as u64 > most { Err(too_large()) } else { Ok(bytes) }
 }
 
-/// Reads a text file of the size that a scene, a film's keys or a plan can have.
+/// Reads a text file, such as a scene, a film's keys or a plan, of at most 64 MiB.
 pub fn read_text(path: &Path) -> io::Result<String> {
     let text = String::from_utf8(read_plain(path, MAX_TEXT_BYTES)?);
     text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))

@@ -57,16 +57,16 @@ pub struct ProfileRow {
 
 /// Side in pixels of the smallest picture whose open starts are timed.
 const SIDE: u32 = 160;
-/// Side in pixels of the largest one: as many starts as a job on a graphics card has.
+/// Side in pixels of the largest timed picture, with as many starts as a job on a graphics card.
 const MAX_SIDE: u32 = 8 * SIDE;
 /// Seconds after which a run has filled a graphics card long enough to show its throughput.
 const LONG_SECS: f64 = 0.3;
 /// Number of starts that a slow configuration is timed on.
 const FEW: usize = 512;
-/// Number of starts of which one is compared with the gold standard.
+/// One start in this many is compared with the gold standard.
 const JUDGED_SHARE: usize = 41;
-/// Amount by which a share of so few judged starts may fall below that of the whole map: two
-/// standard deviations at a share of 0.9.
+/// Amount by which the share of right answers among the judged starts may fall below that of the
+/// whole map: two standard deviations at a share of 0.9.
 const SAMPLING_ERROR: f64 = 0.03;
 /// Microseconds per pixel above which a configuration is timed on a few starts only.
 const SLOW_US: f64 = 50.0;
@@ -83,7 +83,7 @@ impl Profile {
         }
         tell("measuring the engines of this machine once; this takes some seconds");
         let profile = Profile::measure(threads, TimedPairs::WhereNeeded);
-        // An unwritable cache costs the next run the same seconds and nothing else.
+        // If the cache cannot be written, the next run only has to measure again.
         if let Err(error) = profile.keep() {
             tell(&format!("the measured profile could not be kept: {error}"));
         }
@@ -102,7 +102,8 @@ impl Profile {
         path().map_or(Ok(()), |path| write(&path, self))
     }
 
-    /// Measures every engine of this machine, each adapter once, however many back-ends show it.
+    /// Measures every engine of this machine, each adapter once, even if several back-ends expose
+    /// it.
     pub fn measure(threads: Option<usize>, pairs: TimedPairs) -> Profile {
         let mut profile = Profile { key: key(threads), rows: Vec::new(), refused: Vec::new() };
         let sample = Sample::new(SIDE);
@@ -154,9 +155,9 @@ impl Profile {
         }
     }
 
-    /// Returns the fastest row for a level among those that `allows` accepts and whose answers are as
-    /// right as the level promises. An exact picture begins as a balanced one, so the rows of that
-    /// level count for it.
+    /// Returns the fastest row for a level among those that `allows` accepts and whose answers are
+    /// as right as the level promises. An exact picture begins as a balanced one, so the rows of
+    /// [`Accuracy::Balanced`] count for it.
     pub fn fastest(
         &self,
         accuracy: Accuracy,
@@ -197,8 +198,8 @@ impl TimedPairs {
 }
 
 impl ProfileRow {
-    /// Returns true if the answers were as right as the level promises, as far as so few of them
-    /// can show.
+    /// Returns true if the share of right answers is what the level promises, within the sampling
+    /// error.
     fn keeps_promise(&self) -> bool {
         self.right >= self.accuracy.promised_share() - SAMPLING_ERROR
     }
@@ -235,8 +236,9 @@ impl Sample {
         Sample { question, starts, truth }
     }
 
-    /// Measures microseconds per pixel and the share of answers that are right. The pictures grow up
-    /// to the side `largest`, until one takes long enough to show the throughput of a whole picture.
+    /// Measures microseconds per pixel and the share of answers that are right. Doubles the side of
+    /// the picture, at most to `largest`, until one takes long enough to show the throughput of a
+    /// whole picture.
     fn time(
         &self,
         engine: &mut dyn Engine,
@@ -322,14 +324,15 @@ fn path() -> Option<PathBuf> {
     Some(folders.cache_dir().join("flipmap").join("profile.json"))
 }
 
-/// Largest size of a profile in bytes: that of many adapters.
+/// Largest size of a profile's file in bytes, enough for many adapters.
 const MAX_BYTES: u64 = 1 << 20;
 
 fn read(path: &Path) -> Option<Profile> {
     serde_json::from_slice(&read_plain(path, MAX_BYTES).ok()?).ok()
 }
 
-/// A sentence on why the file of a profile cannot be used, if it is there and damaged.
+/// Returns a sentence that says why a profile's file cannot be used, if the file exists and is
+/// damaged.
 fn damage(path: &Path) -> Option<String> {
     let why = match read_plain(path, MAX_BYTES) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,

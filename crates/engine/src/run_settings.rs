@@ -1,6 +1,6 @@
 //! The first of two stages from words to a kernel: the words of a command line, of a scene inside a
-//! picture, of a window or of a plan become one typed [`RunSpec`]. The second stage is the choice of
-//! an engine and of an integrator config for it (`choice.rs`).
+//! picture, of a window or of a plan become one typed [`RunSpec`]. The second stage is the choice
+//! of an engine and of an integrator config for it (`choice.rs`).
 
 use std::str::FromStr;
 
@@ -8,7 +8,8 @@ use super::choice::IntegrationSetting;
 use super::{Accuracy, IntegratorConfig, Method, Precision};
 use flipmap_scene::RunTable;
 
-/// Words that contradict each other or mean nothing, with a sentence that names the setting.
+/// The error for words that contradict each other or mean nothing: a sentence that names the
+/// setting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct RunSettingsError(String);
@@ -20,8 +21,8 @@ pub struct RunSpec {
     pub setting: IntegrationSetting,
     /// True if every pixel is checked.
     pub verify: bool,
-    /// The equivalent run table with every setting filled in. With a level, its `verify` is only
-    /// what was requested beyond the level.
+    /// The equivalent run table with every setting filled in. With a level, its `verify` is true
+    /// only if checks were requested in addition to the level.
     pub table: RunTable,
 }
 
@@ -43,7 +44,7 @@ impl RunSpec {
         }
     }
 
-    /// Resolves words to what they ask for.
+    /// Resolves the words of a run table to settings.
     pub fn resolve(words: RunTable) -> Result<Self, RunSettingsError> {
         let (setting, table) = resolve(words)?;
         let by_level = matches!(setting, IntegrationSetting::Accuracy(level) if level.verifies());
@@ -73,7 +74,7 @@ fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), RunSetting
         step,
         tolerance: config.method.tolerance().map(|tolerance| format!("{tolerance:e}")),
         precision: Some(config.precision.to_string()),
-        // Only the level's checks remain in force.
+        // Of the level, only its checks remain in force.
         verify: verify || accuracy.verifies(),
     };
     Ok((IntegrationSetting::Explicit(config), run))
@@ -181,7 +182,7 @@ fn with_tolerance(
     )))
 }
 
-/// Replaces `value` by the meaning of a word, if there is one; an error names the setting.
+/// Replaces `value` by the parsed word, if there is one; an error names the setting.
 fn set<T, Why: std::fmt::Display>(
     value: &mut T,
     setting: &str,

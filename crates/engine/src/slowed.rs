@@ -1,5 +1,5 @@
-//! The least energy with which a bob can pass the top. Friction only takes energy away, so a pendulum
-//! that falls below it provably never flips and is done early.
+//! The least energy with which a bob can pass the top. Friction only takes energy away, so a
+//! pendulum whose energy falls below this provably never flips and is done early.
 
 use flipmap_pendulum::{Pendulum, Rule};
 
@@ -7,8 +7,8 @@ use flipmap_pendulum::{Pendulum, Rule};
 /// its energy, in f32 too.
 const MARGIN: f64 = 1e-3;
 
-/// The energy in reduced units below which a pendulum is done before the end of its budget, because it
-/// cannot pass the top any more. `None` without friction, and where no bob is watched.
+/// The energy in reduced units below which a pendulum is done before the end of its budget, because
+/// it cannot pass the top any more. `None` without friction, and where no bob is watched.
 pub(super) fn least_energy(reduced: &Pendulum<f64>, rule: Rule) -> Option<f64> {
     reduced.friction.filter(|_| rule != Rule::Neither)?;
     Some(-reduced.least_depth(rule) - MARGIN * (reduced.p + reduced.q))

@@ -1,8 +1,8 @@
-//! The numbers in which a pendulum's state is kept, and the ones that it begins with.
+//! The numbers that hold a pendulum's state, and their values at the start.
 //!
 //! Fixed steps run in angles, adaptive ones in unit vectors and momenta; both in reduced units.
-//! Every name has its place, whatever the precision. Names in `_low` are the remainders that
-//! rounding took from the others; a precision without remainders leaves them at 0.
+//! Each name has the same place in every precision. Names that end in `_low` belong to the rounding
+//! remainders of the other numbers; a precision without remainders leaves these at 0.
 
 use std::f64::consts::{PI, TAU};
 
@@ -43,8 +43,8 @@ pub(crate) const TIME_LOW: usize = 13;
 /// Index of the next step's length in an adaptive state.
 pub(crate) const STEP: usize = 14;
 
-/// Indices of a device's numbers and of their remainders (see [`IntegratorState::number`]), where jobs
-/// return such ends.
+/// Returns the indices of a device's numbers and of their remainders (see
+/// [`IntegratorState::number`]) for jobs that return `ends`.
 pub(crate) fn places(
     state: &[&str],
     precision: Precision,
@@ -99,8 +99,8 @@ fn thrown(
     state
 }
 
-/// The state of a pendulum at the end of its first moments; at fixed steps, at its launch, whose angles
-/// are on the side of the top on which it is.
+/// Returns the state of a pendulum at the end of its first moments or, for fixed steps, at its
+/// launch, with angles on the pendulum's side of the top.
 fn beside_top(job: &Job, reduced: &(Pendulum<Dd>, Dd), moments: &FirstMoments) -> IntegratorState {
     let config = &job.config;
     if let Method::Rk4 { .. } = config.method {
@@ -121,7 +121,7 @@ fn beside_top(job: &Job, reduced: &(Pendulum<Dd>, Dd), moments: &FirstMoments) -
     IntegratorState { carried, ..IntegratorState::new(0, numbers) }
 }
 
-/// Refuses paused pendulums that do not carry what the job returns.
+/// Refuses starts that do not carry the quantities that the job returns.
 pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     let carries = |state: &IntegratorState| match (job.keep.ends, state.carried.as_deref()) {
         (WantedEnds::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
@@ -168,7 +168,8 @@ pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     Ok(states.into_iter().map(begun).collect())
 }
 
-/// A start that looks for its nearest return, kept as unit vectors and momenta at every pace.
+/// Returns a start with the search for its nearest return, kept as unit vectors and momenta for
+/// fixed steps, too.
 fn with_start(reduced: &Pendulum<f64>, pace: &Pace, state: IntegratorState) -> IntegratorState {
     let (start, nearest) = (phase_at(reduced, pace, &state), Accumulators::NONE.nearest);
     let carried = Some(Box::new(Carried::Return { start, has_left: false, nearest }));
@@ -181,7 +182,7 @@ fn with_start(reduced: &Pendulum<f64>, pace: &Pace, state: IntegratorState) -> I
     IntegratorState { numbers, carried, ..state }
 }
 
-/// A start with its own tangents, kept as unit vectors and momenta at every pace.
+/// Returns a start with its own tangents, kept as unit vectors and momenta for fixed steps, too.
 fn with_tangents(
     reduced: &Pendulum<f64>,
     (config, pace): (&IntegratorConfig, &Pace),
@@ -303,8 +304,8 @@ pub(crate) fn angles_of(numbers: &[f64]) -> [f64; 2] {
     [numbers[0] + numbers[4], numbers[1] + numbers[5]]
 }
 
-/// The unit vectors and momenta of a state at this pace. A state with tangents, or with a start to
-/// return to, is kept in this form at every pace.
+/// Returns the unit vectors and momenta of a state. A state with tangents, or with a start to
+/// return to, is kept in this form for fixed steps, too.
 pub(crate) fn phase_at(
     reduced: &Pendulum<f64>,
     pace: &Pace,
@@ -321,8 +322,8 @@ pub(crate) fn phase_at(
     }
 }
 
-/// The end of a pendulum that stopped in the state `left`: there, or at a flip in the step that
-/// follows. `flipped` is the fraction of that step for fixed steps, the reduced time for adaptive
+/// Returns the end of a pendulum that stopped in the state `left`, or that flipped in the step
+/// after it. `flipped` is the fraction of that step for fixed steps, the reduced time for adaptive
 /// ones.
 pub(crate) fn end(
     reduced: &Pendulum<f64>,
@@ -347,7 +348,7 @@ pub(crate) fn end(
         (Pace::Fixed(steps), Some(fraction)) => from + fraction * steps.length,
     };
     let change = match config.method {
-        // Steps are as long as only an expansion allows.
+        // Taylor steps are too long for any other method.
         Method::Taylor { .. } => Expansion::expand(reduced, &begin).change(time - from),
         _ => {
             let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
@@ -358,7 +359,7 @@ pub(crate) fn end(
     FinalState { time, phase: plus(&begin, &change), clearance, gathered, ..FinalState::NOWHERE }
 }
 
-/// The end of a pendulum with tangents, with the growth of the largest of all nudges.
+/// Returns the end of a pendulum with tangents, with the growth of the nudge that has grown most.
 pub(crate) fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -> FinalState {
     let (phase, slopes) = (phase_of(&left.numbers), left.slopes());
     let state: Tangents<f64> = std::array::from_fn(|i| Dual { value: phase[i], slope: slopes[i] });

@@ -22,7 +22,8 @@ pub enum Starts {
     Upright(Separable),
     /// Thrown from angles (rad, each within (−π, π]) with speeds (rad/s).
     Thrown(Vec<Launch>),
-    /// Some beside the top, to be integrated from the end of their first moments.
+    /// Launches mixed with starts beside the top, which are integrated from the end of their first
+    /// moments.
     Mixed {
         /// The starts.
         starts: Vec<Onset>,
@@ -37,7 +38,8 @@ pub enum Starts {
         /// True if they were thrown, not released from rest.
         thrown: bool,
     },
-    /// Already in motion: the continuation of those [`Starts::Deep`] that start maps do not settle.
+    /// Already in motion: the continuations of those [`Starts::Deep`] that start maps do not
+    /// settle.
     Moving(MovingStarts),
     /// Starts at places too close together for the number types of engines; only
     /// [`super::depth::DepthEngine`] can begin them.
@@ -49,7 +51,7 @@ pub enum Starts {
 pub enum Onset {
     /// The launch, at rest or with speeds.
     Launch(Launch),
-    /// The end of its first moments.
+    /// The end of the first moments after a launch beside the top.
     BesideTop(Box<FirstMoments>),
 }
 
@@ -91,7 +93,7 @@ pub struct Deep {
     pub leaves: Vec<Leaf>,
     /// The plane in which they lie.
     pub plane: Box<ExactPlane>,
-    /// True if they are followed with other cuts than usual and smaller errors, as a check.
+    /// True if, as a check, they are followed with other cuts and smaller errors than usual.
     pub strict: bool,
 }
 
@@ -109,8 +111,9 @@ pub struct Leaf {
 pub struct MovingStarts {
     /// Reduced time at which their tolerance begins to rise.
     pub since: f64,
-    /// Reduced time at which the budget ends, if the tolerance may depend on how soon that is:
-    /// unless answers are checked, whose expected errors are those of a tolerance from `since` on.
+    /// Reduced time at which the budget ends, if the tolerance may depend on how soon that is.
+    /// `None` if answers are checked, because the expected errors assume a tolerance that rises
+    /// from `since` on.
     pub end: Option<f64>,
     /// Their states.
     pub states: Vec<Moving>,
@@ -154,7 +157,7 @@ impl Onset {
         }
     }
 
-    /// The same with both angles moved, rad.
+    /// Returns the same start with both angles moved by `by` (rad).
     #[must_use]
     pub(crate) fn moved_by(&self, by: [f64; 2]) -> Self {
         match self {
@@ -165,7 +168,7 @@ impl Onset {
 }
 
 impl StartList {
-    /// Returns true if it has no starts.
+    /// Returns true if the list has no starts.
     pub fn is_empty(&self) -> bool {
         self.at_rest.is_empty() && self.others.is_empty()
     }
@@ -193,7 +196,7 @@ impl StartList {
         self.others.push(Onset::BesideTop(moments));
     }
 
-    /// Lists those from rest among the others.
+    /// Moves the starts from rest to the end of the others.
     fn list_others(&mut self) {
         let angles = std::mem::take(&mut self.at_rest);
         self.others.extend(angles.into_iter().map(|angle| Onset::Launch(Launch::at_rest(angle))));
@@ -220,7 +223,7 @@ impl StartList {
         if beside_top {
             return Starts::Mixed { starts: others, thrown };
         }
-        // Where no start is beside the top, only those with speeds are listed.
+        // The unit of time matters only to starts beside the top, and there are none.
         Starts::Thrown(others.into_iter().map(|start| start.launch(1.0)).collect())
     }
 }
@@ -239,7 +242,7 @@ impl Starts {
         }
     }
 
-    /// The same starts, with the angles of each one that is released from rest.
+    /// Returns the same starts, with [`Starts::Upright`] expanded to the angles of each start.
     pub fn listed(self) -> Self {
         match self {
             Starts::Upright(upright) => Starts::Rest(upright.listed()),
@@ -266,8 +269,9 @@ impl Starts {
 /// rest before it counts as thrown: errors of coarse steps change the energy, too.
 const ABOVE_REST: f64 = 0.05;
 
-/// The greatest reduced angular velocity of starts that may move faster than after any release from
-/// rest; none where no start does. Those that come from cells are known by their energy.
+/// Returns the greatest reduced angular velocity of starts that may move faster than after any
+/// release from rest, or `None` if there are no such starts. Starts that come from cells are
+/// recognised by their energy.
 pub(super) fn fastest(question: &EventSpec, pace: &Pace, starts: &Starts) -> Option<f64> {
     let (reduced, unit_secs) = question.reduced();
     let greatest = |speed: [f64; 2]| speed[0].abs().max(speed[1].abs());

@@ -1,18 +1,19 @@
-//! The number of threads where the user chose none.
+//! The number of threads of a pool, by default and at most.
 
 /// Largest number of threads for each core: more would only keep the machine busy with switching
 /// between them.
 const MAX_THREADS_PER_CORE: usize = 2;
 
-/// Number of threads of a pool by default: one per core, or as many as `RAYON_NUM_THREADS` says, at most
-/// two per core. Several pools can be at work: that of the engine, that of deep starts, and that of the
-/// whole program.
+/// Returns the default number of threads of a pool: one per core, or as many as `RAYON_NUM_THREADS`
+/// says, at most two per core. Several pools can run at the same time: those of the engine, of deep
+/// starts, and of the whole program.
 pub fn default_threads() -> usize {
     let said = std::env::var("RAYON_NUM_THREADS").ok();
     bounded(said.as_deref(), cores()).unwrap_or_else(cores)
 }
 
-/// Number of threads of a pool beside one of `chosen` threads: as many, at most two per core.
+/// Returns the number of threads of a pool that runs beside one of `chosen` threads: the same
+/// number, but at most two per core.
 pub fn threads_beside(chosen: Option<usize>) -> Option<usize> {
     chosen.map(|threads| threads.min(MAX_THREADS_PER_CORE * cores()))
 }

@@ -32,7 +32,7 @@ pub const INSTALL_HINT: &str = if cfg!(feature = "gpu") {
     "no Vulkan adapter was found; on Debian or Ubuntu install one with: \
      apt-get install libvulkan1 mesa-vulkan-drivers"
 } else {
-    "this build computes on the processor alone; build with the feature `gpu` to use graphics adapters"
+    "this flipmap computes on the processor alone: it was built without the feature for graphics adapters"
 };
 
 /// An adapter's features and limits, and the verdict of the self-check on it.

@@ -1,8 +1,8 @@
-//! The ways in which pairs of f32 keep the errors of their roundings from the optimiser.
+//! The ways in which pairs of f32 protect their rounding errors from the optimiser.
 //!
-//! Compilers of shaders reorder sums, so that the error of a rounded sum comes out as zero. An
-//! operand that only the host knows stops them. Which way works depends on the adapter, and the
-//! self-check finds it; `shaders/df32.wgsl` has all of them.
+//! Shader compilers reorder sums, so that the error of a rounded sum comes out as zero. An operand
+//! that only the host knows stops them. Which way works depends on the adapter, and the self-check
+//! finds it; `shaders/df32.wgsl` implements all of them.
 
 /// A way in which pairs of f32 are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,9 +13,10 @@ pub enum Pairs {
     /// Sums as in [`Pairs::Fused`], and products that split their factors, for adapters whose
     /// multiply-adds are not fused.
     Fenced,
-    /// Sums and products of which an error is taken pass through an exclusive or with a 0 from a buffer.
+    /// Sums and products whose errors are computed pass through an exclusive or with a 0 from a
+    /// buffer.
     Results,
-    /// Every rounding does.
+    /// Every rounded value passes through the exclusive or.
     #[default]
     Guarded,
 }

@@ -17,6 +17,6 @@ pub struct GpuStats {
     pub host_wait_secs: f64,
     /// Bytes written to the device.
     pub upload_bytes: u64,
-    /// Bytes read back from it.
+    /// Bytes read back from the device.
     pub download_bytes: u64,
 }

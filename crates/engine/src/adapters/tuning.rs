@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-/// Settings that change the speed of a device; the last one or two change the roundings of answers.
+/// Settings that change the speed of a device; `general` and `at_once` also change the roundings of
+/// answers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GpuTuning {
     /// Longest time that a submission may run.
@@ -13,7 +14,7 @@ pub struct GpuTuning {
     pub slices: u32,
     /// Largest number of jobs on the device at a time.
     pub slots: usize,
-    /// Number of starts in a job of good size; none for the adapter's own.
+    /// A suitable number of starts for a job; `None` for the adapter's default.
     pub job_size: Option<usize>,
     /// Number of invocations in a workgroup.
     pub workgroup: u32,
@@ -21,8 +22,8 @@ pub struct GpuTuning {
     pub subgroups: bool,
     /// True if kernels read their scene as data, false if they are made for it.
     pub general: bool,
-    /// True if the general kernel answers at once while the scene's own is compiled, which a picture
-    /// after the present one is computed by: for windows, because answers then depend on time.
+    /// True if the general kernel answers at once while the scene's own kernel is compiled for
+    /// later pictures. This is for windows only, because answers then depend on time.
     pub at_once: bool,
 }
 
@@ -46,8 +47,8 @@ impl Default for GpuTuning {
 }
 
 impl GpuTuning {
-    /// The same settings with one changed by a text like `pace=20`; an error says what is wrong
-    /// with it.
+    /// Returns the same settings with one changed by a text like `pace=20`, or an error that says
+    /// what is wrong with the text.
     pub fn with(self, text: &str) -> Result<Self, String> {
         let (key, value) = text.split_once('=').unwrap_or((text, ""));
         let number = |least: u32, most: u32| {
@@ -82,8 +83,8 @@ impl GpuTuning {
         ["pace", "first_slice", "slices", "slots", "job_size", "workgroup", "subgroups", "general"];
 }
 
-/// Largest number of starts in a job: a dispatch has at most 65,535 workgroups along a side, of at least
-/// 32 invocations each.
+/// Largest number of starts in a job: a dispatch has at most 65,535 workgroups along a side, of at
+/// least 32 invocations each.
 const MAX_STARTS: u32 = 2_000_000;
 /// Largest number of slices that a submission can have.
 pub(crate) const MAX_SLICES: u32 = 16;

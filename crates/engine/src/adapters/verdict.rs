@@ -3,8 +3,8 @@
 use super::Pairs;
 use crate::{IntegratorConfig, Precision};
 
-/// The name of the check of expansions. Their kernel is the largest by far: where it is wrong, the
-/// arithmetic and the other kernels need not be.
+/// The name of the check of expansions. Their kernel is by far the largest, and it can be wrong
+/// although the arithmetic and the other kernels are right.
 pub(crate) const BY_SERIES: &str = "orbits by taylor";
 
 /// One check of a device, and its result.
@@ -25,15 +25,15 @@ pub struct Check {
 pub struct Verdict {
     /// All checks that were made.
     pub checks: Vec<Check>,
-    /// True if f32 arithmetic is sound.
+    /// True if f32 arithmetic can be trusted.
     pub f32: bool,
     /// True if f32 error terms survive the compiler, so that states can be compensated.
     pub compensated: bool,
     /// True if pairs of f32 keep 44 bits or more.
     pub df32: bool,
-    /// The cheapest way in which pairs of f32 do so.
+    /// The cheapest arithmetic on pairs of f32 that passes the checks.
     pub pairs: Pairs,
-    /// True if f64 arithmetic is present and sound.
+    /// True if the device has f64 arithmetic that can be trusted.
     pub f64: bool,
 }
 

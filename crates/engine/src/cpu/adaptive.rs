@@ -58,8 +58,8 @@ pub(super) fn run<N: Number, P: TopTest>(
     Some(lanes.scheduler.answer)
 }
 
-/// Steps of all lanes until a watched bob may have been at the top or a budget ends; the step in which it
-/// may have been is the last of those taken.
+/// A loop that steps all lanes until a watched bob may have been at the top or a budget ends. The
+/// suspect step is the last one taken.
 struct AdaptiveStretch<'a, 'b, N, P> {
     pendulum: &'a Pendulum<Dd>,
     inverse_scale: [f64; 2],
@@ -73,8 +73,8 @@ struct AdaptiveStretch<'a, 'b, N, P> {
 struct SuspectStep {
     /// The lanes' numbers before the step.
     before: [[f64; MAX_LANES]; NUMBERS],
-    /// Distance from the top that each lane's watched bobs keep in the step, as a sine; not positive where
-    /// one may have crossed it.
+    /// Distance from the top that each lane's watched bobs keep in the step, as a sine; not
+    /// positive where one may have crossed it.
     clearance: [f64; MAX_LANES],
 }
 
@@ -202,7 +202,8 @@ impl<N: Number> LaneState<N> {
         least
     }
 
-    /// Distance from the top that a bob keeps in the step to `next`; `speeds` are those of both ends.
+    /// Distance from the top that a bob keeps in the step to `next`; `speeds` are those of both
+    /// ends.
     #[inline(always)]
     fn clearance_of<P: TopTest>(
         &self,
@@ -243,8 +244,8 @@ struct AdaptiveLanes<'a> {
 }
 
 impl AdaptiveLanes<'_> {
-    /// Decides a step in which some lane's bob may have been at the top: looks for the crossing, and
-    /// finishes the pendulums that made it.
+    /// Decides a step in which some lane's bob may have been at the top: looks for the crossing,
+    /// and finishes the pendulums that made it.
     fn decide<P: TopTest>(&mut self, step: &SuspectStep) {
         for lane in self.scheduler.running() {
             let numbers = lane_of(&step.before, lane);
@@ -259,7 +260,7 @@ impl AdaptiveLanes<'_> {
         }
     }
 
-    /// Decides the step that a lane took from `numbers`, pass by pass.
+    /// Looks for passes of the top, one after another, in the step that a lane took from `numbers`.
     fn look<P: TopTest>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) {
         let moment = |numbers: &[f64; NUMBERS]| {
             let phase = start::phase_of(numbers);
@@ -301,7 +302,8 @@ impl AdaptiveLanes<'_> {
     }
 }
 
-/// The bob that first passes the top in a step, and the fraction of the step at which it does.
+/// Returns the bob that first passes the top in a step, and the fraction of the step at which it
+/// passes.
 fn first_pass<P: TopTest>(
     scheduler: &mut LaneScheduler,
     lane: usize,
@@ -321,7 +323,8 @@ fn first_pass<P: TopTest>(
     first
 }
 
-/// Frees the lanes whose budget is used up, until every lane has work or none is left.
+/// Frees and refills the lanes whose budget is used up, until every lane has work or no start is
+/// left.
 pub(super) fn finish_those_over(scheduler: &mut LaneScheduler, adaptive: &Adaptive) {
     loop {
         scheduler.refill();

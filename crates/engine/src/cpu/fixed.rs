@@ -14,7 +14,8 @@ use flipmap_pendulum::flip::{fraction_of_step, may_pass};
 use flipmap_pendulum::integrator::rk4;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, State, Status};
 
-/// Runs a chunk in lanes of `L`; `TERMS` terms turn a stage's direction (0: a fresh sine).
+/// Runs a chunk in lanes of `L`. A stage's direction is turned by a series of `TERMS` terms, or
+/// computed afresh if that is 0.
 #[inline(never)]
 pub(super) fn run<L: Lanes, const TERMS: usize>(
     set: L::Set,
@@ -53,14 +54,14 @@ pub(super) fn run<L: Lanes, const TERMS: usize>(
     Some(fixed.scheduler.answer)
 }
 
-/// Steps of all lanes until a watched bob may have been at the top; the step in which it may have been is
-/// not among those taken.
+/// A loop that steps all lanes until a watched bob may have been at the top. The suspect step is
+/// not taken.
 struct FixedStretch<'a, const TERMS: usize> {
     pendulum: &'a Pendulum<f64>,
     /// Length of a step in reduced units.
     step: f64,
     watches: [bool; 2],
-    /// True if the angles' losses to rounding are carried along.
+    /// True if the rounding remainders of the angles are carried along.
     compensated: bool,
     most: u32,
     /// The lanes' numbers, before the stretch and then after the steps taken.
@@ -106,7 +107,7 @@ impl<L: Lanes, const TERMS: usize> Stretch<L> for FixedStretch<'_, TERMS> {
     }
 }
 
-/// The lanes' states from their rows, and what their angles lost to rounding.
+/// Loads the lanes' states, and the rounding remainders of their angles, from rows.
 #[inline(always)]
 fn load<L: Lanes>(set: L::Set, rows: &[[f64; MAX_LANES]]) -> [State<L>; 2] {
     let zero = L::splat(set, 0.0);
@@ -116,7 +117,7 @@ fn load<L: Lanes>(set: L::Set, rows: &[[f64; MAX_LANES]]) -> [State<L>; 2] {
     [State { angle, speed }, State { angle: rest, speed: [zero, zero] }]
 }
 
-/// Stores the lanes' states, and what their angles lost to rounding.
+/// Stores the lanes' states, and the rounding remainders of their angles, to rows.
 #[inline(always)]
 fn store<L: Lanes>([state, rest]: [&State<L>; 2], rows: &mut [[f64; MAX_LANES]]) {
     let numbers = [state.angle, state.speed, rest.angle];
@@ -128,8 +129,8 @@ fn store<L: Lanes>([state, rest]: [&State<L>; 2], rows: &mut [[f64; MAX_LANES]])
 /// The f32 just below π, with which lanes compare; the exact test follows in f64.
 const PI_BELOW: f64 = 3.141_592_5;
 
-/// Largest angle from hanging, in rad, that the watched bobs of each lane may have reached in a step
-/// (counterpart: `flip::may_pass`).
+/// Largest angle from hanging, in rad, that the watched bobs of each lane may have reached in a
+/// step (counterpart: `flip::may_pass`).
 #[inline(always)]
 fn nearest_pass<L: Lanes>(watches: [bool; 2], before: &State<L>, after: &State<L>, step: L) -> L {
     let mut nearest = step.lit(0.0);
@@ -154,8 +155,8 @@ fn nearest_pass_of<L: Lanes>(
     let end = after.angle[bob].abs();
     let far = before.angle[bob].abs().max(end);
     let travel = step * before.speed[bob].abs().max(after.speed[bob].abs());
-    // 1e-37 is below any product that matters, and makes 0 negative: at rest a bob may turn
-    // round at once.
+    // Subtracting 1e-37, which is below any product that matters, makes 0 negative, because a bob
+    // at rest may turn round at once.
     let turned = before.speed[bob] * after.speed[bob] - nearest.lit(1e-37);
     nearest.max(end).max((far + travel).where_negative(turned))
 }
@@ -184,7 +185,8 @@ impl FixedStepLanes<'_> {
         self.scheduler.count_lane_steps(1);
     }
 
-    /// Decides the step of a lane, pass by pass.
+    /// Looks for passes of the top, one after another, in the step of a lane; then finishes the
+    /// lane or takes the step.
     fn look_at(&mut self, lane: usize, after: [f64; 6]) {
         let before = exact_state(&self.scheduler.numbers(lane));
         let exact_after = exact_state(&after);
@@ -217,7 +219,7 @@ impl FixedStepLanes<'_> {
         self.take(lane, after, [0, 1].map(|bob| to.angle[bob] - exact_after.angle[bob]));
     }
 
-    /// Moves a lane to the state after a step, with its angles turned by whole turns, rad.
+    /// Moves a lane to the state after a step, with whole turns (rad) added to its angles.
     fn take(&mut self, lane: usize, mut after: [f64; 6], turned: [f64; 2]) {
         for bob in (0..2).filter(|&bob| turned[bob] != 0.0) {
             let angle = after[bob] + turned[bob] + after[4 + bob];
@@ -233,8 +235,8 @@ impl FixedStepLanes<'_> {
         self.scheduler.taken[lane] += 1;
     }
 
-    /// The bob that first passes the top between two states a share of a step apart, and the
-    /// fraction of that time at which it does.
+    /// Returns the bob that first passes the top between two states that are a `share` of a step
+    /// apart, and the fraction of that time at which it passes.
     fn first_pass(
         &mut self,
         from: &State<f64>,
@@ -256,7 +258,8 @@ impl FixedStepLanes<'_> {
         first
     }
 
-    /// Frees the lanes whose budget is used up, until every lane has work or none is left.
+    /// Frees and refills the lanes whose budget is used up, until every lane has work or no start
+    /// is left.
     fn finish_those_over(&mut self) {
         loop {
             self.scheduler.refill();

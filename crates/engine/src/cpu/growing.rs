@@ -36,7 +36,7 @@ pub(super) fn run<R: Scalar, P: EmbeddedPair>(chunk: &Chunk) -> Option<ChunkResu
 }
 
 impl<'a, R: Scalar, P: EmbeddedPair> Growing<'a, R, P> {
-    /// A pendulum with the tangents of its start, or where an earlier job left it.
+    /// Creates a pendulum with its tangents, at its start or where an earlier job left it.
     fn of(
         pendulum: &'a Pendulum<Dual<4, R>>,
         inverse_scale: [Dual<4, R>; 2],

@@ -47,7 +47,7 @@ pub(super) struct Chunk<'a> {
     pub pace: Pace,
     /// States in which the pendulums begin, in reduced units.
     pub starts: &'a [IntegratorState],
-    /// The states to return, which decide what is computed beside the outcomes.
+    /// The states to return, which decide what is computed in addition to the outcomes.
     pub keep: Keep,
     /// Flag that is set when the answer is no longer needed.
     pub cancelled: &'a AtomicBool,
@@ -60,16 +60,16 @@ impl Chunk<'_> {
     }
 }
 
-/// The result of a chunk: for each start its outcome, and its last state and end where they are kept; and
-/// the work done.
+/// The result of a chunk: the outcome of each start, its last state and its end if they are kept,
+/// and the work done.
 #[derive(Default)]
 pub(super) struct ChunkResult {
     /// Outcomes, in the order of the starts.
     pub outcomes: Vec<Outcome>,
-    /// Last states, in that order; for flipped pendulums, at the beginning of the step in which
-    /// they flipped.
+    /// Last states, in the order of the starts; for flipped pendulums, at the beginning of the step
+    /// in which they flipped.
     pub states: Vec<IntegratorState>,
-    /// Ends, in that order.
+    /// Ends, in the order of the starts.
     pub ends: Vec<FinalState>,
     /// Work done for the chunk.
     pub effort: Effort,
@@ -103,7 +103,7 @@ pub(super) struct LaneScheduler<'a> {
     busy: usize,
 }
 
-/// The numbers of a lane in rows of all lanes.
+/// Returns the numbers of one lane from the rows of all lanes.
 #[inline]
 pub(super) fn lane_of<const N: usize>(rows: &[[f64; MAX_LANES]; N], lane: usize) -> [f64; N] {
     std::array::from_fn(|i| rows[i][lane])
@@ -211,7 +211,7 @@ impl<'a> LaneScheduler<'a> {
         self.count_lane_steps(steps);
     }
 
-    /// Counts `steps` steps for which the lanes had room.
+    /// Counts `steps` lane steps for every lane, busy or idle.
     pub(super) fn count_lane_steps(&mut self, steps: u32) {
         self.answer.effort.lane_steps += u64::from(steps) * self.lanes as u64;
     }
@@ -232,7 +232,7 @@ impl<'a> LaneScheduler<'a> {
         }
     }
 
-    /// Records a lane's outcome, and its end and state where the job keeps them; leaves the lane idle.
+    /// Records a lane's outcome, and its end and state if the job keeps them; leaves the lane idle.
     /// `end` computes the end.
     pub(super) fn finish(
         &mut self,

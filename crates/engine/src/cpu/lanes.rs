@@ -38,9 +38,9 @@ pub(super) trait Lanes: Rounding + Angle {
     fn rough_exp2(self) -> Self;
     /// `self` where `test` is negative, otherwise 0.
     fn where_negative(self, test: Self) -> Self;
-    /// Returns true if any lane is less than that of `other`.
+    /// Returns true if any lane is less than the same lane of `other`.
     fn any_less(self, other: Self) -> bool;
-    /// Returns true if any lane is at most that of `other`.
+    /// Returns true if any lane is at most the same lane of `other`.
     fn any_at_most(self, other: Self) -> bool;
 }
 
@@ -160,7 +160,7 @@ macro_rules! lanes {
                 let parts: &mut [$float] =
                     bytemuck::cast_slice_mut(std::slice::from_mut(&mut self.lanes));
                 for part in parts {
-                    // By way of f32, whose conversions every instruction set has.
+                    // Converts through f32, because every instruction set has its conversions.
                     let bits = ((*part as f32 + 127.0) * 8_388_608.0) as i32;
                     *part = $float::from(f32::from_bits(bits as u32));
                 }

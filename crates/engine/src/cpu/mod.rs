@@ -51,7 +51,7 @@ use flipmap_pendulum::{Outcome, Status};
 
 /// Number of starts in a chunk: enough to keep lanes full, few enough to share out evenly.
 const CHUNK: usize = 512;
-/// Number of starts in a chunk in double-double, where these few take as long.
+/// Number of starts in a chunk in double-double, where so few take as long as [`CHUNK`] in f64.
 const DD_CHUNK: usize = 8;
 const JOB_SIZE: usize = 1 << 15;
 
@@ -304,7 +304,7 @@ impl ChunkInFlight<'_> {
         matches!(self.chunk.config.method, Method::Taylor { .. })
     }
 
-    /// Growth or returns in Taylor steps, whose errors all stay as small as the first.
+    /// Computes growth or returns in Taylor steps of the same tolerance at all times.
     fn in_taylor_steps(self) -> Option<ChunkResult> {
         const N: usize = ORDER_F64 + 1;
         const M: usize = ORDER_DD + 1;

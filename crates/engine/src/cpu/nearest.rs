@@ -1,8 +1,8 @@
-//! Returns to the start: how near a pendulum comes to its start again after having left it.
+//! Nearest returns: how near a pendulum comes to its start after having left it.
 //!
-//! The distance is that of unit vectors and scaled momenta. It falls where the state moves towards
-//! the start; a minimum lies in a step in which it stops falling, and is found by shorter steps from
-//! the same beginning, as passes of the top are.
+//! The distance is measured in unit vectors and scaled momenta. It falls while the state moves
+//! towards the start. A minimum lies in a step in which the distance stops falling, and is found by
+//! shorter steps from the same beginning, like a pass of the top.
 
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::one_by_one::{self, WalkProgress, Walker, dynamics, phase_in};
@@ -27,12 +27,12 @@ struct Returning<'a, R, P> {
     progress: WalkProgress,
     /// True once the distance has fallen for the first time: the pendulum has left its start.
     has_left: bool,
-    /// Least distance since then, and its reduced time.
+    /// Least distance from the start since then, and the reduced time at which it occurred.
     nearest: [f64; 2],
     pair: PhantomData<P>,
 }
 
-/// Runs a chunk in fixed steps or adaptive ones of `P`.
+/// Runs a chunk in fixed steps, or in adaptive steps of `P`.
 pub(super) fn run<R: Scalar, P: EmbeddedPair>(chunk: &Chunk) -> Option<ChunkResult> {
     let pendulum = dynamics::<R>(chunk);
     let begin =
@@ -41,11 +41,11 @@ pub(super) fn run<R: Scalar, P: EmbeddedPair>(chunk: &Chunk) -> Option<ChunkResu
 }
 
 impl<'a, R: Scalar, P: EmbeddedPair> Returning<'a, R, P> {
-    /// A pendulum at its start, or where an earlier job left it.
+    /// Creates a pendulum at its start, or where an earlier job left it.
     fn of(pendulum: &'a Pendulum<R>, state: &IntegratorState, precision: Precision) -> Self {
         let phase = phase_in(&state.numbers, precision);
         let (start, has_left, nearest) = match state.carried.as_deref() {
-            // In double-double a state is never continued, so its start is here in full.
+            // A state in double-double is never continued, so `phase` is its start with all digits.
             Some(Carried::Return { start, has_left, nearest }) if precision != Precision::Dd => {
                 (start.map(R::from_f64), *has_left, *nearest)
             }

@@ -11,7 +11,7 @@ use flipmap_pendulum::phase::Phase;
 
 /// A number type of the adaptive methods, one pendulum in each lane.
 pub(super) trait Number: Real {
-    /// Type of the leading part, in which errors and times are judged.
+    /// Type of the leading part, in which errors and times are computed.
     type Leading: Lanes;
 
     /// Loads numbers from `high` and `low` rows of lanes.
@@ -45,7 +45,7 @@ pub(super) fn load_phase<N: Number>(
     ]
 }
 
-/// Stores the lanes' unit vectors and momenta to such rows.
+/// Stores the lanes' unit vectors and momenta to the rows that [`load_phase`] reads.
 #[inline(always)]
 pub(super) fn store_phase<N: Number>(phase: &Phase<N>, rows: &mut [[f64; MAX_LANES]]) {
     let (high, low) = rows.split_at_mut(6);
@@ -125,7 +125,7 @@ macro_rules! operators {
 }
 
 /// A number, and the remainder that rounding took from it. Only [`Number::changed`] uses the
-/// remainder: sums over thousands of steps need it, single right-hand sides are too short to.
+/// remainder: sums over thousands of steps need it, single right-hand sides do not.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Compensated<L> {
     value: L,
@@ -222,7 +222,7 @@ pub(super) struct Two<L> {
 }
 
 impl<L: Lanes> Two<L> {
-    /// `high + low` renormalised; |high| ≥ |low|.
+    /// Renormalises `high + low`, where |high| ≥ |low|.
     #[inline(always)]
     fn from_fast_sum(high: L, low: L) -> Self {
         let sum = high + low;

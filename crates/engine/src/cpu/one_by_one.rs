@@ -1,5 +1,5 @@
-//! The loop for pendulums that are followed to the end of the budget one at a time, in scalar steps,
-//! with the quantities that they carry along.
+//! The loop for pendulums that are followed to the end of the budget one at a time, in scalar
+//! steps, with the quantities that they carry along.
 
 use std::sync::atomic::Ordering;
 
@@ -17,7 +17,7 @@ use flipmap_pendulum::{Outcome, Pendulum, Status};
 /// Number of steps between two checks for cancellation.
 const PATIENCE: u32 = 4096;
 
-/// The times of a pendulum on its way through the budget.
+/// The progress of a pendulum through its budget.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WalkProgress {
     /// Reduced time.
@@ -30,15 +30,16 @@ pub(super) struct WalkProgress {
 
 /// A pendulum that is followed to the end of the budget.
 pub(super) trait Walker {
-    /// Returns the times and the steps so far.
+    /// Returns the progress so far.
     fn progress(&mut self) -> &mut WalkProgress;
-    /// Computes a step of this length: the squared error, and the state after it.
+    /// Computes a step of `length` without taking it; returns its squared error and the state after
+    /// it.
     fn trial(&self, pace: &Pace, length: f64) -> (f64, Self::After);
     /// A state after a step.
     type After;
-    /// Takes a step that was computed.
+    /// Takes a step that [`Walker::trial`] computed.
     fn take(&mut self, after: Self::After, pace: &Pace, length: f64);
-    /// The state from which a later job goes on.
+    /// Returns the state from which a later job continues.
     fn paused(&mut self) -> IntegratorState;
     /// Returns true if all its numbers are finite.
     fn is_finite(&self) -> bool;
@@ -71,7 +72,8 @@ pub(super) fn run<W: Walker>(
 }
 
 /// Takes whole steps while they end within the budget; a later job with a larger budget continues
-/// from there. Then takes shorter ones to the end of the budget. None if the job was cancelled.
+/// from there. Then takes shorter steps to the end of the budget. Returns `None` if the job was
+/// cancelled.
 fn walk<W: Walker>(
     walker: &mut W,
     chunk: &Chunk,

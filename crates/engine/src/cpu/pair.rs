@@ -1,5 +1,5 @@
-//! The embedded pairs on lanes, each with a test for crossings of the top. That of DOPRI5 differs
-//! from that of the others, so that one can check the other.
+//! The embedded pairs on lanes, each with a test for crossings of the top. DOPRI5 has its own test
+//! and the other pairs share one, so that methods with different tests can check each other.
 
 use std::marker::PhantomData;
 use std::sync::LazyLock;
@@ -32,14 +32,15 @@ pub trait EmbeddedPair {
     ) -> Trial<T>;
 }
 
-/// A pair with a test for crossings of the top; by default the cubic through both ends of a step.
+/// A pair with a test for crossings of the top; by default on the cubic through both ends of a
+/// step.
 pub(super) trait TopTest {
     /// The pair that takes the steps.
     type Pair: EmbeddedPair;
 
-    /// Distance from the top that a bob keeps over a step, from its sine and that sine's rate of
-    /// change times the step at both ends; not positive where it may cross the top. By the cubic
-    /// through both ends; counterpart of `crossing::approach`.
+    /// Returns the distance from the top that a bob keeps over a step; not positive if the bob may
+    /// cross the top. Uses the cubic through the bob's sines at both ends, whose rates of change
+    /// times the step are given. Counterpart of `crossing::approach`.
     #[inline(always)]
     fn clearance<L: Lanes>([y0, y1]: [L; 2], [rise0, rise1]: [L; 2], _bow: L) -> L {
         let third = y0.lit(1.0 / 3.0);
@@ -151,7 +152,7 @@ impl EmbeddedPair for Midpoints {
     }
 }
 
-/// The pair of Dormand and Prince of orders 8 and 5 with 3.
+/// The pair of Dormand and Prince of order 8, with error estimates of orders 5 and 3.
 pub struct Dop853;
 
 impl EmbeddedPair for Dop853 {
@@ -174,8 +175,8 @@ mod tests {
     use super::*;
     use flipmap_pendulum::crossing::approach;
 
-    /// The test for a pass of the top is written once for single numbers and once for lanes, which have
-    /// no branches; both must judge alike.
+    /// The test for a pass of the top is written once for single numbers and once for lanes, which
+    /// have no branches; both must agree.
     #[test]
     fn lanes_judge_a_step_as_single_numbers_do() {
         let mut random = fastrand::Rng::with_seed(7);

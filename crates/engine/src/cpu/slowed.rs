@@ -7,8 +7,8 @@ use crate::start::phase_of;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Outcome, Pendulum, Status};
 
-/// Lanes whose pendulums can no longer meet the rule, none without friction. `phase` reads the numbers
-/// of a lane, and `reduced` is the pendulum.
+/// Returns the lanes whose pendulums can no longer flip; none without friction. `phase` reads the
+/// numbers of a lane, and `reduced` is the pendulum.
 pub(super) fn slowed_lanes(
     scheduler: &LaneScheduler,
     reduced: &Pendulum<f64>,
@@ -22,7 +22,7 @@ pub(super) fn slowed_lanes(
     scheduler.running().filter(is_slowed).collect()
 }
 
-/// Frees those lanes where states are unit vectors and momenta.
+/// Frees the lanes that [`slowed_lanes`] returns. States must be unit vectors and momenta.
 pub(super) fn finish_slowed(scheduler: &mut LaneScheduler, reduced: &Pendulum<f64>) {
     for lane in slowed_lanes(scheduler, reduced, phase_of) {
         scheduler.finish(lane, Outcome::without_time(Status::Unflipped), |lanes| {

@@ -1,11 +1,11 @@
 //! Hot loops as functions of their own.
 //!
 //! The program is built for any processor of its kind; only loops over lanes are compiled for the
-//! instruction set that is found at run time. Each such loop is one function, called from code that is
-//! not compiled for that set, so that the compiler cannot put it into another: a function that holds
-//! nothing but its loop keeps the loop's numbers in registers, and aligns those for which there are
-//! none. When all methods were one function, each step read its constants from a stack that was
-//! aligned by chance, mostly across two lines of the cache.
+//! instruction set that is found at run time. Each such loop is one function, called from code that
+//! is not compiled for that set, so that the compiler cannot inline it into another function. A
+//! function that holds nothing but its loop keeps the loop's numbers in registers, and aligns those
+//! that do not fit there. When all methods were one function, each step read its constants from a
+//! stack that was aligned by chance, mostly across two cache lines.
 
 use pulp::{Simd, WithSimd};
 
@@ -20,16 +20,16 @@ pub(super) trait Stretch<L: Lanes> {
     fn run(self, set: L::Set) -> Self::Output;
 }
 
-/// The result of steps that end before their lanes' budgets if a watched bob may have been at the top.
+/// The result of steps that stop when a budget ends or a watched bob may have been at the top.
 pub(super) struct StretchEnd {
     /// Number of steps taken.
     pub taken: u32,
-    /// True if a step is to be decided lane by lane.
+    /// True if a step must be searched for passes of the top, lane by lane.
     pub is_suspect: bool,
 }
 
-/// Runs a loop in a function of its own, compiled for the instruction set. The caller must be a function
-/// that is never inlined.
+/// Runs a loop in a function of its own, compiled for the instruction set. The caller must be a
+/// function that is never inlined.
 #[inline(always)]
 pub(super) fn vectorized<L: Lanes, T: Stretch<L>>(set: L::Set, stretch: T) -> T::Output {
     set.vectorize(Function::<L, T> { set, stretch })

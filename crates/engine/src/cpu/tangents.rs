@@ -1,5 +1,5 @@
-//! Growth: pendulums with the tangents of their motion, a register at a time. All of them last as
-//! long as the budget, so no lane is refilled.
+//! Growth: pendulums with the tangents of their motion, a register at a time. All of them run to
+//! the end of the budget, so no lane is refilled.
 
 use std::marker::PhantomData;
 
@@ -28,14 +28,15 @@ struct TangentLanes<N: Number> {
     time: N::Leading,
     time_low: N::Leading,
     step: N::Leading,
-    /// Reduced time at which they end.
+    /// Reduced time at which the budget ends.
     end: N::Leading,
-    /// False while only whole steps within the budget are taken, from whose end a job with a larger
-    /// budget continues; true once steps are cut to the end of the budget.
+    /// False while only whole steps within the budget are taken, so that a job with a larger budget
+    /// can continue after them; true once steps are cut to the end of the budget.
     cuts: bool,
 }
 
-/// Runs a chunk in lanes of `N`, with adaptive steps of `P`. Slopes have the digits of the leading part.
+/// Runs a chunk in lanes of `N`, with adaptive steps of `P`. Slopes have the digits of the leading
+/// part.
 #[inline(never)]
 pub(super) fn run<N: Number + Narrow<N::Leading>, P: EmbeddedPair>(
     set: <N::Leading as Lanes>::Set,
@@ -141,7 +142,7 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
         self.step.lit(0.0).any_less(self.length())
     }
 
-    /// Time that is left, not positive where a pendulum is done.
+    /// Time left until the end of the budget; not positive in lanes that are done.
     #[inline(always)]
     fn left(&self) -> N::Leading {
         (self.end - self.time) - self.time_low

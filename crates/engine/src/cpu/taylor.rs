@@ -99,8 +99,8 @@ impl<N: Number, T: Scalar, const M: usize> Stretch<N::Leading> for TaylorRun<'_,
     }
 }
 
-/// The step length at which the last two orders promise errors of the tolerance (given by its
-/// log₂): Jorba and Zou's rule, with momenta in units of their scale.
+/// Returns the longest step in which no term of the last two orders exceeds the tolerance (given by
+/// its log₂): Jorba and Zou's rule, with momenta in units of their scale.
 #[inline(always)]
 fn step_length<N: Number, const M: usize>(
     series: &MotionSeries<N, M>,
@@ -123,8 +123,8 @@ fn step_length<N: Number, const M: usize>(
 }
 
 /// Lower bound on the distance from the top that the watched bobs keep in a step; not positive in
-/// lanes where one may cross it: its `y` can vanish, its `x` be negative, and it ends on the other
-/// side or can turn round.
+/// lanes where a bob may cross the top, that is, where its `y` can vanish, its `x` can be negative,
+/// and it ends on the other side or can turn round.
 #[inline(always)]
 fn clearance<N: Number, const M: usize>(
     chunk: &Chunk,
@@ -158,10 +158,11 @@ fn reach<N: Number, const M: usize>(series: &[N; M], length: N::Leading) -> N::L
     sum * length
 }
 
-/// The reduced time into the step and the state then, for each lane that flips for the last time.
+/// The last pass of each lane that makes it in a step: the reduced time since the step began, and
+/// the state at that time.
 type Flips = [Option<(f64, Phase<f64>)>; MAX_LANES];
 
-/// Looks for passes in the lanes that may have made one, and counts them.
+/// Looks for passes of the top in the lanes whose clearance is not positive, and counts them.
 #[inline(always)]
 fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     scheduler: &mut LaneScheduler,
@@ -212,10 +213,10 @@ fn flips_in_step<N: Number, T: Scalar, const M: usize>(
     flips
 }
 
-/// The first `most` moments in (0, length] at which the point with the polynomials `x` and `y` on
-/// the unit circle crosses the top, (−1, 0), each with true if it does so anticlockwise, and the
-/// least distance from the top that it reaches without crossing before then. Near the top `y` keeps
-/// its leading digits, however small it is.
+/// Returns the first `most` moments in (0, length] at which a point on the unit circle, with the
+/// polynomials `x` and `y`, crosses the top, (−1, 0). Each moment comes with true if the point
+/// crosses anticlockwise. Also returns the least distance from the top that the point reaches
+/// before then without crossing. Near the top `y` keeps its leading digits, however small it is.
 fn passages_of_top<T: Scalar, const M: usize>(
     x: &[T; M],
     y: &[T; M],
@@ -243,7 +244,7 @@ fn passages_of_top<T: Scalar, const M: usize>(
         if evaluate(x, share * length) < T::zero() {
             passages.push((share * length, side > T::zero()));
         }
-        // Beyond a crossing, at the top or at the bottom, the sides change.
+        // Every crossing, at the top or at the bottom, changes the side.
         if share >= T::from_f64(1.0) || passages.len() >= most as usize {
             return (passages, nearest);
         }

@@ -1,5 +1,5 @@
-//! Taylor steps for the quantities that pendulums carry along: the terms of the last two orders are
-//! the error.
+//! Taylor steps for the quantities that pendulums carry along: the terms of the last two orders
+//! give the error.
 
 use super::pair::EmbeddedPair;
 use flipmap_numbers::Real;
@@ -22,7 +22,7 @@ impl<const N: usize> EmbeddedPair for TaylorPair<N> {
     ) -> Trial<T> {
         let series = MotionSeries::<T, N>::expand(pendulum, phase);
         let power = (0..N - 2).fold(step.lit(1.0), |power, _| power * step);
-        // One of the two can vanish for reasons of symmetry.
+        // Symmetry can make one of the two vanish.
         let error = series.phase.map(|terms| {
             let [last, before] = [terms[N - 1] * step, terms[N - 2]];
             (last * last + before * before) * (power * power)

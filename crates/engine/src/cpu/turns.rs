@@ -5,9 +5,10 @@ use super::number::Number;
 use flipmap_numbers::Real;
 use flipmap_pendulum::phase::Phase;
 
-/// Adds the turns that end in the steps from `before` to `after`, in lanes where `taken` is
-/// negative: a bob passes the top where `y` changes its sign in the sense in which the bob turns
-/// (counterpart: `turns_between` in `shaders/adaptive.wgsl`). No step is as long as half a turn.
+/// Adds the turns that the steps from `before` to `after` complete, in lanes where `taken` is
+/// negative. A bob passes the top where the change of sign of its `y` matches the sense in which it
+/// turns (counterpart: `turns_between` in `shaders/adaptive.wgsl`). No step is as long as half a
+/// turn.
 #[inline(always)]
 pub(super) fn count<N: Number>(
     turns: &mut [N::Leading; 2],

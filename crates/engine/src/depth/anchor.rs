@@ -1,5 +1,5 @@
-//! Anchors: cells followed along the trajectory of their own middle, in as many digits as their depth
-//! needs.
+//! Anchors: cells followed along the trajectory of their own middle, in as many digits as their
+//! depth needs.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
@@ -34,19 +34,20 @@ pub(super) struct Anchor {
     end: Option<PatchEnd>,
 }
 
-/// The level of the anchors of leaves.
+/// Returns the level of the anchors for leaves of level `leaf`.
 pub(super) fn anchor_level(leaf: u32) -> u32 {
     leaf.saturating_sub(MIN_LEVELS_BELOW) / EVERY * EVERY
 }
 
-/// Number of decimal digits in which the anchors of leaves of a level are followed.
+/// Returns the number of decimal digits in which the anchors for leaves of level `leaf` are
+/// followed.
 pub(super) fn digits(leaf: u32) -> u32 {
     digits_for(bits_for(anchor_level(leaf)))
 }
 
 impl DomainSplitting {
-    /// The whole of an anchor, followed to its end, or its starts if all of it is forbidden; none if
-    /// cancelled.
+    /// Follows an anchor to its end and returns the whole of it as a branch, or its starts if all
+    /// of it is forbidden; `None` if cancelled.
     pub(super) fn anchored_branch(
         &self,
         cell: Cell,
@@ -76,7 +77,7 @@ impl DomainSplitting {
         anchors.entry(cell).or_insert_with(|| Arc::new(Mutex::new(self.anchored(cell)))).clone()
     }
 
-    /// An anchor at its start, with the digits that the differences of its cells from it need.
+    /// Creates an anchor at its start, with as many digits for its middle as its level needs.
     fn anchored(&self, cell: Cell) -> Anchor {
         let node = self.released(cell);
         let holds = node.patch.holds(&self.dynamics, self.tolerance(MAX_LEVELS_BELOW as i32));
@@ -87,8 +88,8 @@ impl DomainSplitting {
         Anchor { node, reference, end }
     }
 
-    /// The pendulum and a start at a point of a cell, in reduced units; none where a section has no
-    /// real solution.
+    /// The pendulum and a start at a point of a cell, in reduced units; `None` where a section has
+    /// no real solution.
     pub(super) fn reduced(
         &self,
         cell: Cell,
@@ -99,7 +100,7 @@ impl DomainSplitting {
         Some((pendulum, State { speed: start.speed.map(|speed| speed * unit_secs), ..start }))
     }
 
-    /// A cell at its start.
+    /// Creates the polynomials of a cell at its start.
     pub(super) fn released(&self, cell: Cell) -> SplitNode {
         let (Some((exact, start)), Some(by)) =
             (self.reduced(cell, [0.0; 2]), self.plane.differences(&cell))
@@ -117,7 +118,7 @@ impl DomainSplitting {
             FlowPatch::thrown(&self.dynamics, &[x1, y1, x2, y2, p1, p2], by)
         };
         let patch = if self.nudges { patch.with_nudges() } else { patch };
-        // Beyond the edge of the forbidden region, in reduced units.
+        // Depth beyond the edge of the forbidden region, in reduced units.
         let edge = match self.plane.forbids_section(self.rule) {
             // All starts of a section share their energy.
             Some(forbids) => Jet::constant(if forbids { 1.0 } else { -1.0 }),

@@ -7,8 +7,8 @@ use flipmap_pendulum::{Launch, State};
 use flipmap_scene::lattice::Cell;
 
 impl Deep {
-    /// Selects some of the starts, by their indices among all, in order, and moves them by a share
-    /// of half their leaf.
+    /// Selects starts by their indices, in ascending order, and moves them by `by`, in units of
+    /// half the side of their leaf.
     pub(crate) fn some(&self, places: &[usize], strict: bool, by: [f64; 2]) -> Deep {
         let mut wanted = places.iter().copied().peekable();
         let (mut leaves, mut first) = (Vec::new(), 0);
@@ -32,19 +32,19 @@ impl Deep {
         self.leaves.first().map_or(0.0, |leaf| self.plane.half_side(leaf.cell.level))
     }
 
-    /// The starts, angles in (−π, π] rad and speeds in rad/s; none where a section has no real
+    /// The starts, angles in (−π, π] rad and speeds in rad/s; `None` where a section has no real
     /// solution.
     pub(crate) fn exact(&self) -> impl Iterator<Item = Option<State<Exact>>> {
         self.places().map(|(cell, at)| self.plane.start(&cell, at))
     }
 
-    /// The leaf of every start, and its place there.
+    /// Returns the leaf of every start, and the place of the start in it.
     pub(super) fn places(&self) -> impl Iterator<Item = (Cell, [f64; 2])> {
         self.leaves.iter().flat_map(|leaf| leaf.points.iter().map(|at| (leaf.cell, *at)))
     }
 
-    /// The starts for an integration from their release, to the precision of double-double, or of more
-    /// beside the top.
+    /// Returns the starts for an integration from their release, to the precision of double-double,
+    /// or to a higher one beside the top.
     pub(crate) fn rounded(&self, question: &EventSpec, ends: WantedEnds) -> Starts {
         let opening = question.opening(ends);
         let unit_secs = question.reduced_in::<Exact>().1;

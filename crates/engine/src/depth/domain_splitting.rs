@@ -1,13 +1,13 @@
-//! The domain splitting from an anchor down to its smallest parts: a part is followed as long as its
-//! polynomials hold, then cut.
+//! The domain splitting from an anchor down to its smallest parts: a part is followed as long as
+//! its polynomials hold, then cut.
 //!
-//! An anchor's middle is followed in as many digits as its depth needs. Everything below it is a
-//! difference from it, for which f64 has digits enough: a leaf lies at most
+//! An anchor's middle is followed in as many digits as its depth needs. Everything below the anchor
+//! is a difference from that middle, for which f64 has enough digits: a leaf lies at most
 //! [`MAX_LEVELS_BELOW`](super::anchor::MAX_LEVELS_BELOW) levels below its anchor.
 //!
 //! A cell is cut into quarters as long as its states differ in two directions. Energy is conserved,
-//! so one direction grows far beyond the other; from then on cells are cut across it only, and what
-//! results are strips as long as the cell:
+//! so one direction grows far beyond the other; from then on cells are cut only across it, into
+//! strips as long as the cell:
 //!
 //! ```text
 //!   ┌───────┬───────┐     ┌───────────────┐
@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Everything about a part follows from its place in the lattice, so no answer depends on which
-//! others were requested.
+//! other parts were requested.
 
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, HashMap};
@@ -42,8 +42,9 @@ use flipmap_pendulum::{Rule, control};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::{ExactPlane, PendulumSpec};
 
-/// Largest part of a leaf's states that its polynomials may leave out. Further up, what is left out
-/// grows with the cells that are cut, so the tolerance is halved with every level above the leaves.
+/// Largest truncation error of a leaf's polynomials, in unit vectors and scaled momenta. An error
+/// made further up grows with the cells that are cut from there, so the tolerance is halved with
+/// every level above the leaves.
 const TOLERANCE: f64 = 1e-12;
 /// The same tolerance for strict start maps, which check others and share no cut with them.
 const STRICT_TOLERANCE: f64 = 1e-13;
@@ -52,7 +53,7 @@ const MAX_FINISHED_PATCHES: usize = 20_000;
 /// Largest extent of a strip's states along the bands, as a share of their extent across them.
 const MAX_EXTENT_ALONG: f64 = 0.25;
 /// Least width of strips that are lines, in levels relative to leaves. There are few of them, and
-/// what is followed in one need not be integrated for every pixel.
+/// following one saves the integration of all its pixels.
 const MIN_STRIP_WIDTH_LEVEL: i32 = -3;
 /// Least area of strips that are not lines, in levels relative to leaves: following a smaller one
 /// costs more than integrating its pixels (measured).
@@ -75,14 +76,14 @@ pub(super) struct DomainSplitting {
     /// True if the growth of nudges is followed.
     pub nudges: bool,
     pub anchors: Mutex<HashMap<Cell, Arc<Mutex<Anchor>>>>,
-    /// A mistake that a test makes.
+    /// A deliberate mistake that a test makes.
     #[cfg(feature = "sabotage")]
     pub sabotage: Option<super::sabotage::Sabotage>,
     finished: Mutex<HashMap<PartKey, Arc<FinishedPatch>>>,
 }
 
-/// A request for the patches of some starts: the leaves' level, the reduced budget, the cancellation
-/// flag, and the progress to report to.
+/// A request for the patches of some starts: the leaves' level, the reduced budget, the
+/// cancellation flag, and the progress to report to.
 #[derive(Clone, Copy)]
 pub(super) struct SplitRequest<'a> {
     pub level: u32,
@@ -97,7 +98,7 @@ pub(super) struct SplitRequest<'a> {
 pub(super) struct Distribution {
     pub patches: Vec<(Arc<FinishedPatch>, Vec<PlacedStart>)>,
     pub forbidden: Vec<usize>,
-    /// Number of parts that were followed for it, and of their steps.
+    /// Number of parts that were followed, and number of their steps.
     pub followed: (u64, u64),
 }
 
@@ -119,7 +120,7 @@ impl DomainSplitting {
         }
     }
 
-    /// The same with a mistake.
+    /// Adds a deliberate mistake.
     #[cfg(feature = "sabotage")]
     pub(super) fn sabotaged(mut self, sabotage: Option<super::sabotage::Sabotage>) -> Self {
         self.sabotage = sabotage;
@@ -132,7 +133,7 @@ impl DomainSplitting {
         alike && together && self.nudges == nudges
     }
 
-    /// Finds the patches of a job's starts; none if cancelled.
+    /// Finds the patches of a job's starts; returns `None` if cancelled.
     pub(super) fn distribute(&self, deep: &Deep, wanted: SplitRequest) -> Option<Distribution> {
         let mut all = Distribution::default();
         for (anchor, starts) in by_anchor(deep, wanted.level) {
@@ -150,8 +151,9 @@ impl DomainSplitting {
         leaf * 0.5f64.powi(levels_above_leaf.max(0))
     }
 
-    /// Follows branches to their ends: on several threads if there are many starts. A thread that waits
-    /// for others may begin another job, which would delay a small one.
+    /// Follows branches to their ends, on several threads if there are many starts. A small job
+    /// uses one thread, because a thread that waits for others may begin another job in the
+    /// meantime.
     fn followed(&self, branches: Vec<Branch>, wanted: SplitRequest) -> Distribution {
         let starts: usize = branches.iter().map(|branch| branch.starts.len()).sum();
         let follow = |branch| self.followed_branch(branch, wanted);
@@ -194,7 +196,7 @@ impl DomainSplitting {
         node.patch.holds(&self.dynamics, self.tolerance(part.above[0]))
     }
 
-    /// Keeps a part that has been followed to its end for `all`.
+    /// Keeps a part that has been followed to its end, and counts it in `all`.
     fn finish(
         &self,
         part: &SplitPart,
@@ -215,8 +217,8 @@ impl DomainSplitting {
         patch
     }
 
-    /// Cuts a part that has ended into those that have starts; otherwise, adds it to the patches of
-    /// `all`.
+    /// Cuts a part that has ended, and returns the resulting parts that have starts. If the part is
+    /// not cut, adds it to the patches of `all`.
     fn cut(
         &self,
         part: SplitPart,
@@ -259,9 +261,9 @@ impl DomainSplitting {
         branches
     }
 
-    /// A part that was just cut, with the nudges of its own middle from the release. Once all nudges
-    /// except those across one direction have grown into the same one, the nudges inherited from the
-    /// part that it was cut from are as good.
+    /// Gives a part that was just cut the nudges of its own middle from the release. Once all
+    /// nudges except those across one direction have grown into the same one, the nudges inherited
+    /// from the larger part are as good and stay.
     fn with_own_nudges(&self, node: SplitNode, part: &SplitPart) -> SplitNode {
         if !node.patch.has_grown_less_than(ALIGNED) {
             return node;
@@ -274,16 +276,17 @@ impl DomainSplitting {
         SplitNode { patch, ..node }
     }
 
-    /// Returns true if the starts of a patch are better followed from their release. This is so where the
-    /// patch ends there: it is too large for its polynomials, or undescribed, or beside the top. It is
-    /// also so where nudges have grown so little that those of the middle do not stand for all, and
-    /// that the digits of any number type are enough.
+    /// Returns true if the starts of a patch are better followed from their release. This is so if
+    /// the patch ends at the release, because it is too large for its polynomials, undescribed, or
+    /// beside the top. It is also so if nudges have grown so little that those of the middle do not
+    /// stand for all, and that any number type has enough digits.
     pub(super) fn tells_nothing(&self, patch: &FinishedPatch) -> bool {
         let ends_at_release = patch.is_open() && patch.patch.time.0 == 0.0;
         ends_at_release || patch.patch.has_grown_less_than(ALIGNED)
     }
 
-    /// A start that is followed alone from its release; none if it is forbidden.
+    /// Returns the state of a start that is followed alone from its release, or `None` if it is
+    /// forbidden.
     pub(super) fn start_alone(&self, cell: Cell, at: [f64; 2]) -> Option<Moving> {
         let (pendulum, start) = self.reduced(cell, at)?;
         let phase = pendulum.phase(&start);
@@ -318,7 +321,8 @@ impl DomainSplitting {
         kept.get(key).filter(|finished| finished.serves(budget)).cloned()
     }
 
-    /// Returns the cut of a part whose polynomials no longer hold; none if it is small enough.
+    /// Returns the cut of a part whose polynomials no longer hold, or `None` if the part is small
+    /// enough.
     fn cut_of(&self, part: &SplitPart, finished: &FinishedPatch) -> Option<Cut> {
         if part.is_strip {
             let axes = self.axes_of_strip(part.above, finished);
@@ -337,9 +341,9 @@ impl DomainSplitting {
         })
     }
 
-    /// The axes along which a strip is cut: to the width of a leaf first, then for as long as
-    /// cutting costs less than it saves. Cutting narrow but long strips that are not lines along
-    /// their length too takes as long or longer (measured).
+    /// Returns the axes along which a strip is cut: first to the width of a leaf, then for as long
+    /// as cutting costs less than it saves. A narrow, long strip that is not a line is not cut
+    /// along its length, which would take as long or longer (measured).
     fn axes_of_strip(
         &self,
         [across, along]: [i32; 2],
@@ -366,7 +370,7 @@ impl DomainSplitting {
     }
 }
 
-/// A job's starts by the anchors of their leaves, in coordinates of the anchor.
+/// Groups a job's starts by the anchors of their leaves, in coordinates of the anchor.
 fn by_anchor(deep: &Deep, level: u32) -> BTreeMap<Cell, Vec<PlacedStart>> {
     let mut groups: BTreeMap<Cell, Vec<PlacedStart>> = BTreeMap::new();
     let mut index = 0;

@@ -1,5 +1,5 @@
-//! Patches that have been followed to their end: the outcomes of starts that are known from their
-//! polynomials, and the states from which the others are integrated.
+//! Patches that have been followed to their end: the outcomes of starts that their polynomials
+//! determine, and the states from which the other starts are integrated.
 
 use std::sync::OnceLock;
 
@@ -16,16 +16,16 @@ use flipmap_pendulum::{Accumulators, Outcome, Status};
 use flipmap_scene::ExactPlane;
 use flipmap_scene::lattice::Cell;
 
-/// The name of a part of an anchor: the same name means the same patch.
+/// The key of a part of an anchor; parts with the same key have the same patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct PartKey {
     /// The cell that is followed along the trajectory of its own middle.
     pub anchor: Cell,
     /// Level of the leaves for which the anchor is cut.
     pub leaf_level: u32,
-    /// True if it is followed with smaller errors, as a check.
+    /// True if the anchor is followed with smaller errors, as a check.
     pub strict: bool,
-    /// Place among the parts of parts: 1, then two bits for every cut.
+    /// The cuts that lead to the part: 1, then two bits for every cut.
     pub path: u64,
 }
 
@@ -51,12 +51,13 @@ pub(super) struct FinishedPatch {
     pub coordinates: OnceLock<Option<CurveCoordinates>>,
 }
 
-/// Largest residual of a patch that is taken for a line, as a share of half its length along the
+/// Largest residual of a patch that is treated as a line, as a share of half its length along the
 /// curve.
 const MAX_RESIDUAL: f64 = 1e-4;
 
 impl FinishedPatch {
-    /// A part of a plane that was to be followed to a budget, with the reason why it ended.
+    /// Creates the patch of a part that was followed towards a budget, with the reason why it
+    /// ended.
     pub(super) fn new(
         (plane, part): (&ExactPlane, &SplitPart),
         node: SplitNode,
@@ -74,13 +75,13 @@ impl FinishedPatch {
         SplitNode { patch: self.patch.clone(), edge: self.edge }
     }
 
-    /// Returns true if only the states are known of most of its starts.
+    /// Returns true if only the states of most of its starts are known.
     pub(super) fn is_open(&self) -> bool {
         matches!(self.ending, PatchEnd::Spread | PatchEnd::Unclear)
     }
 
-    /// Returns true if it ends in the same way when it is followed to another budget: steps do not
-    /// depend on it, so that it matters only to a patch that reaches it.
+    /// Returns true if the patch ends in the same way when it is followed to another budget. Steps
+    /// do not depend on the budget, so it matters only to a patch that reaches it.
     pub(super) fn serves(&self, budget: f64) -> bool {
         let is_before = budget > self.budget || self.patch.time.0 < budget;
         budget == self.budget || (is_before && !matches!(self.ending, PatchEnd::Over))
@@ -93,7 +94,7 @@ impl FinishedPatch {
         if self.patch.is_well_under_way() { decades.max(0.0) / secs } else { 0.0 }
     }
 
-    /// Statistics of its starts, of which `open` are not known.
+    /// Returns the statistics of its starts, `open` of which have no known outcome.
     pub(super) fn stats(&self, dynamics: &Dynamics, unit_secs: f64, open: usize) -> DepthStats {
         let secs = self.patch.time.0 * unit_secs;
         DepthStats {
@@ -104,7 +105,7 @@ impl FinishedPatch {
         }
     }
 
-    /// The pendulum that is in a state when the patch ends.
+    /// Returns the pendulum whose state is `phase` when the patch ends.
     pub(super) fn moving(&self, dynamics: &Dynamics, phase: Phase<f64>, clearance: f64) -> Moving {
         let (high, low) = self.patch.time;
         let (spread, tail) = (self.patch.spread(dynamics), self.patch.tail(dynamics));
@@ -115,20 +116,21 @@ impl FinishedPatch {
         Moving { time, phase, step, clearance, grown, map_error, turns, nudges: None }
     }
 
-    /// Error of the polynomials where neighbours lie `spread` apart, taken back to the release, in rad.
+    /// Converts an error `tail` of the polynomials, where neighbours lie `spread` apart, to an
+    /// error of the release in rad.
     fn at_release(&self, [tail, spread]: [f64; 2]) -> f64 {
         if tail > 0.0 { tail * self.half_side / spread } else { 0.0 }
     }
 
-    /// The curve on which the states of all starts lie, if they lie on one. Those of starts that are
-    /// forbidden or flipped in a graze are continued as if they were not.
+    /// The curve on which the states of all starts lie, if they lie on one. Starts that are
+    /// forbidden or flipped in a graze are treated as if they had not ended.
     pub(super) fn curve(&self, dynamics: &Dynamics) -> Option<&PatchCurve> {
         let find = || self.is_open().then(|| self.patch.curve(dynamics, MAX_RESIDUAL)).flatten();
         self.curve.get_or_init(find).as_ref()
     }
 
-    /// The places on the patch's curve of the starts at some points; none for a start that cannot be
-    /// told from its neighbours along the flow.
+    /// Returns the points on the patch's curve of the starts at `places`, with `None` for a start
+    /// that cannot be told apart from its neighbours along the flow.
     pub(super) fn points(
         &self,
         dynamics: &Dynamics,
@@ -145,15 +147,15 @@ impl FinishedPatch {
         }
     }
 
-    /// The state that the start at a point is in when the patch ends.
+    /// Returns the state of the start at a point when the patch ends.
     pub(super) fn state(&self, dynamics: &Dynamics, at: [f64; 2]) -> Moving {
         let phase = self.patch.phase.map(|jet| jet.at(at));
         let nudges = self.patch.nudges_at(dynamics, at).map(Box::new);
         Moving { nudges, ..self.moving(dynamics, phase, self.patch.clearance(at)) }
     }
 
-    /// The outcome of the start at a point of the patch, in [−1, 1]², and its end, if the polynomials
-    /// determine them; `unit_secs` is the reduced unit of time in s.
+    /// The outcome of the start at a point of the patch, in [−1, 1]², and its end, if the
+    /// polynomials determine them; `unit_secs` is the reduced unit of time in s.
     pub(super) fn known(
         &self,
         dynamics: &Dynamics,
@@ -182,8 +184,8 @@ impl FinishedPatch {
         }
     }
 
-    /// Error of the answers that the polynomials tell: what they leave out, taken back to the release, in
-    /// rad.
+    /// Truncation error of the answers that the polynomials give, expressed as an error of the
+    /// release in rad.
     fn map_error(&self, dynamics: &Dynamics) -> f64 {
         let at_end = self.at_release([self.patch.tail(dynamics), self.patch.spread(dynamics)]);
         match &self.ending {

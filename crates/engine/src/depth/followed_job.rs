@@ -1,4 +1,4 @@
-//! Deep jobs whose cells are followed, and what is known of their answers.
+//! Deep jobs whose cells are followed, and the known parts of their answers.
 
 use std::cell::LazyCell;
 use std::sync::atomic::AtomicBool;
@@ -30,23 +30,24 @@ pub(super) struct PartialResult {
     /// The job, without its starts.
     pub job: Job,
     pub outcomes: Vec<Outcome>,
-    /// Empty unless the job wants them.
+    /// Ends of the pendulums; empty unless the job keeps them.
     pub ends: Vec<FinalState>,
-    /// States of the starts that are unflipped, if they are kept.
+    /// States of the pendulums that have not flipped, if the job keeps them.
     pub unfinished: Vec<(usize, IntegratorState)>,
     /// Number of its sub-jobs that have not come back.
     pub sub_jobs: usize,
     /// Indices of the starts that have to be integrated one by one, and the states they are in.
     pub moving: Vec<(usize, Moving)>,
-    /// The job's lines, while samples of these are integrated.
+    /// The job's lines, while their samples are integrated.
     pub lines: Option<Lines>,
-    /// The starts of patches that are lines, whose states are not computed until lines fail them.
+    /// The starts of patches that are lines. Their states are computed only if the lines leave them
+    /// unanswered.
     on_lines: Vec<(Arc<FinishedPatch>, Vec<PlacedStart>)>,
     pub effort: Effort,
 }
 
-/// Returns the domain splitting of a question in the plane of some starts, with nudges if the question
-/// asks for their growth; creates it if there is none yet.
+/// Returns the domain splitting of a question in the plane of some starts, with nudges if the
+/// question asks for their growth; creates it if there is none yet.
 pub(super) fn splitting_of(
     splittings: &Splittings,
     #[cfg(feature = "sabotage")] sabotage: Option<super::sabotage::Sabotage>,
@@ -70,7 +71,7 @@ pub(super) fn splitting_of(
 }
 
 /// Follows the cells of a job and maps its starts through them, using lines where `lines` allows
-/// it; returns none if cancelled.
+/// it; returns `None` if cancelled.
 pub(super) fn followed(
     mut job: Job,
     splitting: &DomainSplitting,
@@ -114,7 +115,7 @@ pub(super) fn followed(
 }
 
 impl PartialResult {
-    /// A job of forbidden starts.
+    /// Creates the result of a job as if all its starts were forbidden.
     fn of_forbidden(job: Job, count: usize) -> Self {
         let (outcome, end) = FORBIDDEN;
         let ends = if job.keep.ends == WantedEnds::None { 0 } else { count };
@@ -172,8 +173,9 @@ impl PartialResult {
         JobResult { id, outcomes, ends, unfinished, effort, ..JobResult::default() }
     }
 
-    /// Takes some starts that are followed alone from their release; `begun` returns the state of the
-    /// one with an index, and none where it is forbidden. Returns the number of those that move.
+    /// Takes starts that are followed alone from their release, and returns the number of those
+    /// that move. `begun` returns the state of the start with an index, or `None` if it is
+    /// forbidden.
     fn take_alone(
         &mut self,
         starts: &[PlacedStart],
@@ -185,7 +187,8 @@ impl PartialResult {
         self.moving.len() - before
     }
 
-    /// Takes what a patch tells of its starts. Returns the number of those whose outcome it does not.
+    /// Takes the outcomes and the states that a patch gives to its starts. Returns the number of
+    /// starts whose outcome it does not give.
     fn take(
         &mut self,
         dynamics: &Dynamics,

@@ -9,9 +9,9 @@
 //!   └─────────────┘
 //! ```
 //!
-//! The steeper the line, the more a start's residual shifts its flip; it is allowed that much. Where
-//! the line jumps, a start proves nothing, and others are asked. A line that jumps at nearly all of
-//! them is not used.
+//! The steeper the line, the more a start's residual shifts its flip, and the greater the
+//! difference that is allowed. Where the line jumps, a start proves nothing, and others are
+//! integrated. A line that jumps at nearly all of these starts is not used.
 
 use super::line_interval::Sample;
 use flipmap_pendulum::Status;
@@ -19,8 +19,8 @@ use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::flow_patch::{CurvePoint, Dynamics, FlowPatch, PatchCurve};
 use flipmap_pendulum::phase::Phase;
 
-/// The starts of the first round of a check, in coordinates of the patch, and those of the rounds after
-/// it, each of which is needed only if the ones before it have not decided.
+/// The starts of each round of a check, in coordinates of the patch. A round is needed only if the
+/// rounds before it have not decided.
 const EDGES: [[[f64; 2]; 4]; ROUNDS] = [
     [[-0.6, -0.9], [-0.6, 0.9], [0.6, -0.9], [0.6, 0.9]],
     [[-0.35, -0.9], [-0.1, 0.9], [0.15, -0.9], [0.4, 0.9]],
@@ -30,16 +30,17 @@ const EDGES: [[[f64; 2]; 4]; ROUNDS] = [
 const ROUNDS: usize = 3;
 /// Distance along the line from a start's place to the place after it.
 const BESIDE: f64 = 1e-4;
-/// Largest difference between a start and its line, as a share of the error with which an answer
-/// is still right.
+/// Largest difference between a start and its line, as a share of the largest error of a right
+/// answer.
 const SHARE: f64 = 0.5;
-/// Distance between the ends at a start's place and after it above which the line jumps there.
+/// Distance between the ends at a start's place and just after it, above which the line is taken to
+/// jump there.
 const JUMP: f64 = 0.05;
-/// Distance of a start's end from the line's, beyond what steepness explains, above which the two
-/// differ.
+/// Distance of a start's end from the line's end, beyond the effect of its residual, above which
+/// the two contradict each other.
 const FAR: f64 = 0.1;
-/// Ratio of the largest effect of a residual to that of as long a way along the line (2.5 was
-/// measured). Starts whose residual could count are integrated alone, so that this is no error.
+/// Ratio of the largest effect of a residual to that of an equal distance along the line (2.5 was
+/// measured). Starts whose residual could matter are integrated alone, so it adds no error.
 const RESIDUAL: f64 = 4.0;
 /// Least number of starts that have to confirm a line.
 const MIN_CONFIRMATIONS: usize = 2;
@@ -57,9 +58,9 @@ pub(super) struct CheckPlace {
 enum Role {
     /// The start at the edge.
     Edge,
-    /// The start on the line in the same place.
+    /// The start on the line at the same place.
     Line,
-    /// The start on the line, a little after.
+    /// The start on the line, a little further along.
     After,
 }
 
@@ -84,14 +85,14 @@ impl CheckPlace {
     }
 }
 
-/// The judgement of a line by the pendulums of its check.
+/// The result of checking a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum LineVerdict {
     /// Enough starts confirm it.
     Confirmed,
     /// A start contradicts it, or too few prove anything.
     Refused,
-    /// No judgement yet: some pendulums are missing.
+    /// No result yet, because these pendulums are missing.
     Missing(Vec<CheckPlace>),
 }
 
@@ -100,8 +101,8 @@ impl LineCheck<'_> {
         self.patch.phase.map(|jet| jet.at(EDGES[place.round][place.start]))
     }
 
-    /// The place on the line of a check's start. One without a place is compared with the middle, which
-    /// contradicts it.
+    /// Returns the point on the line of a check's start. A start without one is compared with the
+    /// middle of the line, which contradicts it.
     fn point(&self, place: CheckPlace) -> CurvePoint {
         let nowhere = CurvePoint { s: 0.0, ahead: 0.0, aside: 0.0 };
         self.curve.point(self.dynamics, &self.edge(place)).unwrap_or(nowhere)
@@ -116,8 +117,8 @@ impl LineCheck<'_> {
         }
     }
 
-    /// Judges the line round by round; `sample` returns the end of a pendulum of the check, if it is
-    /// known.
+    /// Judges the line round by round; `sample` returns the end of a pendulum of the check, if it
+    /// is known.
     pub(super) fn verdict(&self, sample: impl Fn(CheckPlace) -> Option<Sample>) -> LineVerdict {
         let mut confirming = 0;
         for (round, starts) in EDGES.iter().enumerate() {
@@ -142,8 +143,8 @@ impl LineCheck<'_> {
         LineVerdict::Refused
     }
 
-    /// Returns true if a start at an edge ends as its place on the line does, up to the effect of its
-    /// residual; `None` if the line jumps there.
+    /// Returns true if a start at an edge ends as its place on the line does, up to the effect of
+    /// its residual; `None` if the line jumps there.
     fn confirms(&self, point: CurvePoint, [off, line, after]: [Sample; 3]) -> Option<bool> {
         let apart = line.distance(&after);
         if apart.is_nan() || apart > JUMP {
@@ -170,8 +171,8 @@ mod tests {
 
     const END: FinalState = FinalState { phase: [1.0; 6], ..FinalState::NOWHERE };
 
-    /// Judges the line of a small cell in which starts at edges, on the line and a little after them flip
-    /// at the times (s) that `secs` returns for a round.
+    /// Judges the line of a small cell in which starts at edges, on the line and a little after
+    /// them flip at the times (s) that `secs` returns for a round.
     fn verdict(secs: impl Fn(usize) -> [f64; 3]) -> LineVerdict {
         let dynamics = Dynamics::new(Pendulum::points([1.0; 2], [1.0; 2], 9.81), Rule::Second);
         let mut patch = FlowPatch::release(&dynamics, [-1.6601f64, 0.1003].map(f64::sin_cos), 1e-8);
@@ -221,7 +222,7 @@ mod tests {
         };
         assert_eq!(later([7.0, 7.0, 6.9], smooth), LineVerdict::Confirmed);
         assert_eq!(later([7.0, 7.0, 6.9], [7.002, 7.0, 6.9999]), LineVerdict::Refused);
-        // What the first starts contradict, others do not save.
+        // Other starts do not save a line that the first starts contradict.
         assert_eq!(later([7.002, 7.0, 6.9999], smooth), LineVerdict::Refused);
     }
 }

@@ -1,4 +1,5 @@
-//! Intervals of a line, and the answers that the samples in one give for the starts between them.
+//! Intervals of a line, and the answers that the samples of an interval give to the starts between
+//! them.
 
 use crate::FinalState;
 use flipmap_pendulum::flip::right_secs;
@@ -9,7 +10,7 @@ use flipmap_pendulum::{Outcome, Status};
 pub(super) const COARSEST: i32 = 1;
 /// Level of the shortest intervals, at which a jump is narrowed down to a hundredth of a pixel.
 pub(super) const FINEST: i32 = 9;
-/// Level beyond which intervals with several jumps are not halved: they are a sixteenth of a pixel
+/// Level from which on intervals with several jumps are not halved: they are a sixteenth of a pixel
 /// long.
 const UNRESOLVED: i32 = 6;
 /// Least number of jumps between samples that counts as several.
@@ -19,13 +20,13 @@ const SEVERAL: usize = 2;
 const DEEPEST_IN_LEAF: i32 = 6;
 /// Number of samples of an interval, both ends included.
 pub(super) const SAMPLES: usize = 5;
-/// Largest error of interpolation, and also that of the residual, as a share of the error with
-/// which an answer is still right.
+/// Largest error of interpolation, and also that of the residual, as a share of the largest error
+/// of a right answer.
 const SHARE: f64 = 0.2;
 /// Least ratio of the distance that a bob has kept from the top to the second differences of the
-/// samples' ends at which no start between them can have flipped there. The heights of a bob's turns
-/// bend less than the ends, which come later; only by bending could one reach the top and return
-/// between two samples.
+/// samples' ends at which no start between the samples can have flipped. The height at which a bob
+/// turns round bends less along the line than the ends, which come later, and only by bending could
+/// it reach the top and return between two samples.
 const CLEAR: f64 = 4.0;
 /// Largest distance between neighbouring ends that still belong together.
 const MAX_END_DISTANCE: f64 = 0.3;
@@ -45,12 +46,12 @@ pub(super) struct Sample {
     pub end: FinalState,
 }
 
-/// The judgement of an interval by its samples.
+/// The result of judging an interval by its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum IntervalVerdict {
-    /// All flip, at times (s) that are a polynomial: its values at the five samples.
+    /// All starts flip, at times (s) given by the polynomial with these values at the five samples.
     Flips([f64; SAMPLES]),
-    /// None flips.
+    /// No start flips.
     Unflipped,
     /// Something happens in between. The value is the number of neighbouring pairs that do not
     /// belong together.
@@ -58,13 +59,13 @@ pub(super) enum IntervalVerdict {
 }
 
 impl Interval {
-    /// The interval of a level in which a point lies, without starts.
+    /// Creates the interval of a level in which the point `s` lies, without starts.
     pub(super) fn around(level: i32, s: f64) -> Self {
         Interval { level, place: (s * 2f64.powi(level)).floor() as i32, starts: Vec::new() }
     }
 
-    /// Returns true if halving a rough interval with so many jumps is expected to help, in a patch
-    /// of such an area (the binary logarithm, in leaves).
+    /// Returns true if halving a rough interval with `jumps` jumps is expected to help, in a patch
+    /// whose area in leaves has the binary logarithm `area`.
     pub(super) fn can_be_halved(&self, jumps: usize, area: i32) -> bool {
         let deepest = if jumps < SEVERAL { FINEST } else { UNRESOLVED };
         self.level < deepest.min(DEEPEST_IN_LEAF + area)
@@ -89,8 +90,8 @@ impl Interval {
         halves.into_iter().filter(|half| !half.starts.is_empty())
     }
 
-    /// Finds the outcomes of the starts in a smooth interval of a line that begins at `since_secs`. Starts
-    /// whose residual may matter are added to `alone`, to be integrated one by one.
+    /// Finds the outcomes of the starts in a smooth interval of a line that begins at `since_secs`.
+    /// Starts whose residual may matter are added to `alone`, to be integrated one by one.
     pub(super) fn settle(
         &self,
         verdict: &IntervalVerdict,
@@ -103,7 +104,7 @@ impl Interval {
                 known.push((*index, Outcome::without_time(Status::Unflipped)));
                 continue;
             };
-            // From −2 to 2, at integers the samples.
+            // Runs from −2 to 2, with the samples at integers.
             let x = 4.0 * (point.s * 2f64.powi(self.level) - f64::from(self.place)) - 2.0;
             let (time, rate) = quartic(secs, x);
             let per_s = rate * 4.0 * 2f64.powi(self.level);
@@ -157,7 +158,7 @@ impl IntervalVerdict {
             return IntervalVerdict::Unflipped;
         }
         let secs = samples.map(|sample| sample.outcome.time);
-        // Distance of the middle from the cubic through the others.
+        // Distance of the middle sample from the cubic through the other four.
         let off = (secs[0] - 4.0 * secs[1] + 6.0 * secs[2] - 4.0 * secs[3] + secs[4]) / 6.0;
         if off.abs() <= SHARE * right_secs(unit_secs) {
             IntervalVerdict::Flips(secs)
@@ -168,12 +169,12 @@ impl IntervalVerdict {
 }
 
 impl Sample {
-    /// Returns true if it ends as its neighbour does, near it; false for NaN.
+    /// Returns true if the sample ends as its neighbour does and near it; false for NaN.
     fn belongs_to(&self, neighbour: &Sample) -> bool {
         self.distance(neighbour) <= MAX_END_DISTANCE
     }
 
-    /// The distance of another end, infinite if only one of the two has flipped.
+    /// Returns the distance between two ends; infinite if only one of the two has flipped.
     pub(super) fn distance(&self, other: &Sample) -> f64 {
         let (a, b) = (self.place(), other.place());
         let alike = self.outcome.status == other.outcome.status;

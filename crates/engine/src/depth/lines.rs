@@ -1,8 +1,9 @@
 //! Lines: patches whose starts differ in one coordinate only.
 //!
-//! Energy is conserved, so of the differences within a small patch one direction alone grows
-//! exponentially. By the time at which its polynomials end, its states lie along a curve, to within
-//! a residual that shrinks with the patch, and with it everything that happens later:
+//! Energy is conserved, so differences within a small patch grow exponentially in one direction
+//! only. By the time at which its polynomials end, its states lie along a curve, to within a
+//! residual that shrinks with the patch. Everything that happens later then depends on the place
+//! along the curve:
 //!
 //! ```text
 //!   starts in the patch         their states               flip times
@@ -12,17 +13,17 @@
 //!   └───────────┘              s along the curve                └────────── s
 //! ```
 //!
-//! P(s) = Φ(s·u) is the curve through the patch's middle in the direction u that grows most, the first
-//! right singular vector of Φ's linear part. Every start is written as P(s) moved along the flow by
-//! a time τ, with a residual; it flips τ earlier than the start at s. So a strip of a thousand pixels
-//! needs as many integrations as the function T(s) has features.
+//! P(s) = Φ(s·u) is the curve through the patch's middle in the direction u that grows most, the
+//! first right singular vector of Φ's linear part. Every start is written as P(s) moved along the
+//! flow by a time τ, with a residual; it flips τ earlier than the start at s. So a strip of a
+//! thousand pixels needs as many integrations as the function T(s) has features.
 //!
 //! T(s) is sampled on dyadic intervals. An interval is *smooth* if a polynomial of degree 4 goes
 //! through its five samples and no bob came so near the top that a start between them could have
-//! flipped there. Others are halved, which narrows jumps down; starts in those that stay rough or
-//! are full of jumps, and starts whose residual could shift their flip, are integrated one by one as
-//! everywhere else. Before a line is used, some starts off it are integrated too; if one of them
-//! contradicts the line, all of the patch's starts are integrated one by one.
+//! flipped there. Other intervals are halved, which narrows jumps down. Starts in intervals that
+//! stay rough or are full of jumps, and starts whose residual could shift their flip, are
+//! integrated one by one. Before a line is used, some starts off it are integrated too; if one of
+//! them contradicts the line, all of the patch's starts are integrated one by one.
 //!
 //! Intervals, samples and all decisions belong to the patch, never to the request, so an answer
 //! depends on nothing but its place in the lattice. Jobs share the samples.
@@ -92,7 +93,7 @@ struct Line {
 }
 
 impl LineSamples {
-    /// No samples yet.
+    /// Creates an empty set of samples.
     fn new(question: EventSpec, config: IntegratorConfig) -> Self {
         let (lines, asked) = (HashMap::new(), HashSet::new());
         LineSamples { question, config, lines, asked, count: 0 }
@@ -143,7 +144,7 @@ pub(super) fn samples_of<'a>(all: &'a mut Vec<LineSamples>, job: &Job) -> &'a mu
 }
 
 impl Lines {
-    /// No lines yet.
+    /// Creates an empty set of lines.
     pub(super) fn new(dynamics: Dynamics, unit_secs: f64) -> Self {
         Lines {
             dynamics,
@@ -155,7 +156,8 @@ impl Lines {
         }
     }
 
-    /// Adds the starts of a patch whose outcomes it does not tell. Returns false if it is no line.
+    /// Adds those starts of a patch whose outcomes it does not give. Returns false if the patch is
+    /// not a line.
     pub(super) fn add(&mut self, patch: &Arc<FinishedPatch>, starts: &[PlacedStart]) -> bool {
         let dynamics = &self.dynamics;
         let Some(curve) = patch.curve(dynamics) else { return false };
@@ -218,8 +220,8 @@ impl Lines {
 }
 
 impl Line {
-    /// Confirms the line by the starts that check it, and returns those of them that are missing. If they
-    /// refuse it, all starts have to be integrated one by one.
+    /// Judges the line by the starts that check it, and returns those that are missing. If they
+    /// refuse the line, all its starts have to be integrated one by one.
     fn confirm(
         &mut self,
         check: &LineCheck,
@@ -241,9 +243,9 @@ impl Line {
         Vec::new()
     }
 
-    /// Judges intervals and halves those that are rough, as far as the samples allow. Adds the starts
-    /// whose outcome is known now, and those that have to be integrated alone; returns the places
-    /// of the samples that are missing.
+    /// Judges intervals and halves those that are rough, as far as the samples allow. Adds the
+    /// starts whose outcome is known now, and those that have to be integrated alone; returns the
+    /// places of the samples that are missing.
     fn refine(
         &mut self,
         taken: &HashMap<Place, Sample>,

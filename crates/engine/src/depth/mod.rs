@@ -4,7 +4,7 @@
 //! 11 levels up, the *anchor*. Its middle is followed in as many digits as the depth needs, its
 //! whole area as one [`FlowPatch`](flipmap_pendulum::flow_patch::FlowPatch): Taylor polynomials of
 //! the flow map in the position of the start. Their coefficients are differences from the middle,
-//! for which f64 has digits enough at any depth, as with the reference orbit of a deep Mandelbrot
+//! for which f64 has enough digits at any depth, as with the reference orbit of a deep Mandelbrot
 //! zoom.
 //!
 //! ```text
@@ -18,17 +18,18 @@
 //!
 //! Where the polynomials leave out too much, or cannot tell what happens at the top, a cell is cut
 //! into parts that continue on their own (automatic domain splitting; Wittig et al., Celest. Mech.
-//! Dyn. Astr. 122, 2015; polynomial arithmetic on flows is Berz's differential algebra): into quarters
-//! at first, and into strips once one direction has grown far beyond the other ([`domain_splitting`]).
-//! The *finished patches* say which starts are forbidden, flip at a known time or stay unflipped, and
-//! in which states the others are, far enough apart by then that any number type can integrate them.
-//! By then the states of most patches differ in one direction only; a few samples along it answer most
-//! of their starts ([`lines`]). The samples, and the starts that they do not answer, go to the wrapped
-//! engine as pendulums in motion ([`takeoff`]); all other jobs are passed on to it.
+//! Dyn. Astr. 122, 2015; polynomial arithmetic on flows is Berz's differential algebra): into
+//! quarters at first, and into strips once one direction has grown far beyond the other
+//! ([`domain_splitting`]). The *finished patches* say which starts are forbidden, flip at a known
+//! time or stay unflipped, and give the states of the others, which are by then far enough apart
+//! for any number type to integrate. By then the states of most patches differ in one direction
+//! only; a few samples along it answer most of their starts ([`lines`]). The samples, and the
+//! starts that they do not answer, go to the wrapped engine as pendulums in motion ([`takeoff`]);
+//! all other jobs are passed on to it.
 //!
 //! * An answer depends on its place in the lattice alone, not on jobs or other requests.
-//! * Anchors, finished patches and samples are kept for later jobs. Cells are followed on threads of
-//!   this engine's own.
+//! * Anchors, finished patches and samples are kept for later jobs. Cells are followed on threads
+//!   of this engine's own.
 //! * Strict jobs use other cuts and smaller errors: [`super::trust`] checks one map by another.
 
 mod anchor;
@@ -68,7 +69,7 @@ pub struct DepthEngine<'a> {
     inner: Box<dyn Engine + 'a>,
     pool: rayon::ThreadPool,
     splittings: Splittings,
-    /// Deep jobs by identifier; none for those whose cells are being followed.
+    /// Deep jobs by identifier; `None` for those whose cells are being followed.
     deep: HashMap<u64, Option<PartialResult>>,
     /// Takeoffs of deep jobs, by the identifiers of the wrapped engine's jobs.
     sub_jobs: HashMap<u64, SubJob>,
@@ -81,7 +82,7 @@ pub struct DepthEngine<'a> {
     samples: Vec<LineSamples>,
     /// True if samples of lines may answer starts.
     lines: bool,
-    /// A mistake that a test makes.
+    /// A deliberate mistake that a test makes.
     #[cfg(feature = "sabotage")]
     sabotage: Option<sabotage::Sabotage>,
     cancelled: Arc<AtomicBool>,
@@ -126,13 +127,13 @@ impl<'a> DepthEngine<'a> {
         })
     }
 
-    /// Makes the engine integrate every start that is not known from polynomials.
+    /// Makes the engine integrate every start whose outcome polynomials do not give.
     pub fn without_lines(mut self) -> Self {
         self.lines = false;
         self
     }
 
-    /// Makes the engine report its progress in following a middle to `following`.
+    /// Makes the engine report its progress in following the middle of a deep view to `following`.
     pub fn telling(mut self, following: Following) -> Self {
         self.told = following;
         self
@@ -235,8 +236,8 @@ impl<'a> DepthEngine<'a> {
         self.landed()
     }
 
-    /// Continues the jobs that have no sub-jobs in flight, because theirs are complete or because
-    /// they wait for samples of other jobs; returns the results of those that are complete.
+    /// Continues the jobs that have no sub-jobs in flight, because all are complete or because the
+    /// jobs wait for samples of other jobs. Returns the results of the jobs that are complete.
     fn landed(&mut self) -> Vec<JobResult> {
         let is_ready = |awaited: &PartialResult| awaited.sub_jobs == 0;
         let mut ready: Vec<u64> = Vec::new();

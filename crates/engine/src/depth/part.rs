@@ -23,7 +23,7 @@ pub(super) struct PlacedStart {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SplitPart {
     pub key: PartKey,
-    /// The cell that it is, or for a strip, that it was cut from.
+    /// The part as a cell or, for a strip, the cell that it was cut from.
     pub cell: Cell,
     /// Place in the anchor.
     pub frame: Frame,
@@ -44,16 +44,16 @@ pub(super) struct Cut {
     pub strips: bool,
 }
 
-/// A part on its way, with the starts in it, in coordinates of the anchor.
+/// A part that is being followed, with the starts in it, in coordinates of the anchor.
 pub(super) struct Branch {
     pub part: SplitPart,
     pub starts: Vec<PlacedStart>,
     pub way: BranchState,
 }
 
-/// The progress of following the starts of a part.
+/// The progress of following a part.
 pub(super) enum BranchState {
-    /// Followed to the time at which it was cut from a larger one.
+    /// Followed to the time at which it was cut from a larger part.
     Open(Box<SplitNode>),
     /// Followed to the end.
     Ended(Arc<FinishedPatch>),

@@ -1,4 +1,4 @@
-//! Start maps that are wrong on purpose, for tests of what judges them.
+//! Start maps that are wrong on purpose, for tests of the checks that have to detect them.
 
 use flipmap_pendulum::flow_patch::{Dynamics, FlowPatch};
 use flipmap_scene::lattice::side_rad;
@@ -6,17 +6,17 @@ use flipmap_scene::lattice::side_rad;
 /// A mistake in all start maps of an engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sabotage {
-    /// Nobody looks at the top for half a unit of time.
+    /// Passes of the top are missed during the first half unit of time.
     BlindOpening,
     /// One coefficient of the polynomials is 1 % too large.
     Coefficient,
-    /// Starts lie twice as far apart.
+    /// Starts lie twice as far apart as they should.
     WideLeaf,
 }
 
 impl Sabotage {
-    /// A cell from rest at its start, with the mistake. The angles of its middle are given by their
-    /// sines and cosines.
+    /// Creates a cell at rest, at its start, with the mistake. The angles of its middle are given
+    /// by their sines and cosines.
     pub(super) fn released(
         self,
         dynamics: &Dynamics,

@@ -13,16 +13,16 @@ pub struct DepthStats {
     pub integrated: u64,
     /// Number of cells and strips that were followed below anchors, by this request.
     pub cells: u64,
-    /// Number of steps that they took.
+    /// Number of steps that these cells and strips took.
     pub cell_steps: u64,
-    /// Time that jobs waited for them and for anchors, summed over jobs, in s.
+    /// Time that jobs waited for cells, strips and anchors, summed over jobs, in s.
     pub cell_secs: f64,
     /// Number of samples of lines that were integrated.
     pub line_samples: u64,
-    /// Number of starts that were answered from their neighbours on a line. For all others that
-    /// were not integrated, everything was known from polynomials.
+    /// Number of starts that were answered from their neighbours on a line. All other starts that
+    /// were not integrated were answered from polynomials.
     pub told_by_lines: u64,
-    /// Times at which the first and the last of these integrations began, in s.
+    /// Times at which the first and the last integration of a pendulum began, in s.
     pub begins_secs: [f64; 2],
     /// Rate at which neighbours move apart, in decades per second: the mean over the integrated
     /// starts.
@@ -63,9 +63,9 @@ impl DepthStats {
         }
     }
 
-    /// The horizon, in s: the time up to which answers can be trusted. It is where rounding errors,
-    /// which grow from the beginning of the last integration on, reach a thousandth of a radian;
-    /// infinite where nothing grows.
+    /// Returns the horizon in s, the time up to which answers can be trusted. Then rounding errors,
+    /// which grow from the beginning of the last integration on, reach a thousandth of a radian.
+    /// Infinite if nothing grows.
     pub fn horizon_secs(&self, precision: Precision) -> f64 {
         if self.decades_a_second <= 0.0 {
             return f64::INFINITY;
@@ -84,8 +84,8 @@ impl DepthStats {
         }
     }
 
-    /// Width in rad at which neighbours no longer move apart within the budget, so that nothing is
-    /// left to see below.
+    /// Returns the width in rad below which neighbours stay together throughout the budget, so that
+    /// no structure is left to see.
     pub fn structure_ends_at(&self, budget_secs: f64) -> f64 {
         10f64.powf(-self.decades_a_second * budget_secs)
     }

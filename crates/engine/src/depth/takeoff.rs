@@ -1,4 +1,5 @@
-//! Takeoffs: pendulums of a deep job that set out at about the same time and are integrated together.
+//! Takeoffs: pendulums of a deep job that set out at about the same time and are integrated
+//! together.
 
 use std::collections::BTreeMap;
 
@@ -36,7 +37,7 @@ impl SubJob {
 }
 
 /// Groups pendulums by the time at which they set out. Each group comes with the last time at which
-/// any of it can set out, so that every pendulum's answer depends on its own time alone.
+/// any of its pendulums can set out, so that every pendulum's answer depends on its own time alone.
 pub(super) fn by_time<T>(all: Vec<(T, Moving)>) -> impl Iterator<Item = (f64, Vec<(T, Moving)>)> {
     let mut groups: BTreeMap<i64, Vec<(T, Moving)>> = BTreeMap::new();
     for one in all {

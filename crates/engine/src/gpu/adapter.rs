@@ -56,7 +56,8 @@ impl Adapter {
         }
     }
 
-    /// Opens an engine whose arithmetic is judged by sums and by orbits in each of `configs`.
+    /// Opens an engine and checks its arithmetic, by single operations and by orbits in each of
+    /// `configs`.
     pub fn open(
         &self,
         tuning: GpuTuning,
@@ -110,7 +111,7 @@ impl Adapter {
     }
 }
 
-/// The engine on a thread of its own, if the request wants that.
+/// Moves an engine to a thread of its own if the request asks for one.
 fn boxed(
     engine: GpuEngine,
     request: &EngineRequest,
@@ -126,7 +127,8 @@ fn boxed(
     Ok(Box::new(served))
 }
 
-/// Opens an engine on an adapter, its arithmetic judged by sums and by orbits in each of `configs`.
+/// Opens an engine on an adapter and checks its arithmetic, by single operations and by orbits in
+/// each of `configs`.
 pub fn open_checked(
     adapter: wgpu::Adapter,
     configs: &[IntegratorConfig],

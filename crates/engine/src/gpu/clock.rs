@@ -6,7 +6,7 @@ use super::kernel::Design;
 /// The slices of one submission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Slices {
-    /// Number of steps that each may take with each pendulum.
+    /// Number of steps that each slice may take with each pendulum.
     pub steps: u32,
     /// Number of slices.
     pub count: u32,
@@ -31,7 +31,7 @@ struct Speed {
     secs_per_step: f64,
 }
 
-/// The part of a design that decides its speed: the scene hardly does.
+/// Returns the part of a design that decides its speed, which hardly depends on the scene.
 fn kind_of(design: &Design) -> Design {
     Design { scene: None, passes: design.passes.min(2), ..*design }
 }
@@ -45,8 +45,8 @@ impl StepClock {
         self.speeds.push(Speed { kind, running, secs_per_step });
     }
 
-    /// An upper bound on the seconds that a step of `running` pendulums takes; none before
-    /// anything was measured.
+    /// Returns an upper bound on the seconds that a step of `running` pendulums takes, or `None`
+    /// before anything has been measured.
     fn secs_per_step(&self, design: &Design, running: u32) -> Option<f64> {
         let (kind, running) = (kind_of(design), running.max(1));
         let known = || self.speeds.iter().filter(|speed| speed.kind == kind);
@@ -59,7 +59,7 @@ impl StepClock {
     }
 
     /// The slices of a slot's next submission that keep the pace, for `running` pendulums with
-    /// this number of steps over the budget.
+    /// `typical_steps` steps over the budget.
     pub(super) fn slices(
         &self,
         tuning: &GpuTuning,

@@ -15,7 +15,7 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     lost: Arc<AtomicBool>,
     complaint: Arc<Mutex<Option<String>>>,
-    /// Bytes written to the device and read back, on all devices that this one replaced too.
+    /// Bytes written to the device and read back, including those of devices that it has replaced.
     traffic: Arc<[AtomicU64; 2]>,
 }
 
@@ -109,7 +109,7 @@ impl Gpu {
         Ok(Gpu { traffic: self.traffic.clone(), ..Gpu::open(self.adapter.clone())? })
     }
 
-    /// Writes to the beginning of a buffer, or from an offset on.
+    /// Writes `bytes` to a buffer from `offset` on.
     pub(crate) fn write(&self, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
         self.traffic[0].fetch_add(bytes.len() as u64, Ordering::Relaxed);
         self.queue.write_buffer(buffer, offset, bytes);
@@ -125,7 +125,7 @@ impl Gpu {
         [0, 1].map(|way| self.traffic[way].load(Ordering::Relaxed))
     }
 
-    /// Seconds per tick of the device's clock; none where submissions cannot be timed by it.
+    /// Returns the seconds per tick of the device's clock, or `None` if it cannot time submissions.
     pub(crate) fn tick_secs(&self) -> Option<f64> {
         let has = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         has.then(|| f64::from(self.queue.get_timestamp_period()) * 1e-9)

@@ -1,5 +1,5 @@
-//! The trust in a device: the self-check's verdict on its arithmetic, and the orbits that each method
-//! has to compute rightly before its first job.
+//! The trust in a device: the self-check's verdict on its arithmetic, and the orbits that each
+//! method has to compute correctly before its first job.
 
 use super::device::is_software;
 use super::kernel::Design;
@@ -34,8 +34,9 @@ impl GpuEngine {
         self.verdict.allows(config).map_err(EngineError::Unsupported)
     }
 
-    /// Checks orbits by a configuration's method in its precision, unless that was done before.
-    /// Where they are wrong, the device is not trusted with the precision from then on.
+    /// Checks orbits by a configuration's method in its precision, unless that was done before. If
+    /// they are wrong, the device is no longer trusted with the precision or, for expansions, with
+    /// the method.
     pub(crate) fn check_orbits(&mut self, config: &IntegratorConfig) -> Result<(), EngineError> {
         let checked = (config.method.name(), config.precision);
         if self.checked.contains(&checked) {
@@ -72,8 +73,8 @@ impl GpuEngine {
         checks
     }
 
-    /// Returns true if the general kernel of a method and precision computes orbits rightly, which is
-    /// checked before its first use.
+    /// Returns true if the general kernel of a method and precision computes orbits correctly,
+    /// which is checked before its first use.
     pub(super) fn is_general_sound(
         &mut self,
         config: &IntegratorConfig,
@@ -104,9 +105,9 @@ impl GpuEngine {
         };
     }
 
-    /// The configurations by which checks are made on the device, wherever that is asked. Expansions are
-    /// left to the processor by a software adapter, which takes longer for them on the same cores, and by
-    /// a window, which does not wait for their kernel to compile.
+    /// Returns a function that says, on any thread, whether checks with a configuration run on the
+    /// device. Expansions are left to the processor by a software adapter, which takes longer for
+    /// them on the same cores, and by a window, which does not wait for their kernel to compile.
     pub(crate) fn checks(&self) -> impl Fn(&IntegratorConfig) -> bool + Send + 'static {
         let leaves_series = self.tuning.at_once || is_software(&self.gpu.adapter);
         let verdict = self.verdict.clone();

@@ -64,7 +64,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// The kernel made for a question at a pace and nothing else.
+    /// Returns the kernel that is made for one question at one pace.
     pub fn specialised(self, question: &EventSpec, pace: &Pace) -> Self {
         let scheme = match (self.scheme, pace) {
             (Scheme::Fixed(_), Pace::Fixed(steps)) => {
@@ -109,7 +109,8 @@ impl Design {
         })
     }
 
-    /// The kernel that computes pairs of f32 in this way; the same for every other number type.
+    /// Returns the kernel that computes pairs of f32 in this way, or the same kernel for any other
+    /// number type.
     pub fn with_pairs(self, pairs: Pairs) -> Self {
         if self.precision == Precision::Df32 { Design { pairs, ..self } } else { self }
     }
@@ -124,7 +125,7 @@ impl Design {
         !self.ends.are_carried()
     }
 
-    /// The same kernel, if its scheme can compute such ends.
+    /// Returns the same kernel, or an error if its scheme cannot compute `ends`.
     pub(crate) fn returning(self, ends: WantedEnds) -> Result<Self, EngineError> {
         if self.scheme == Scheme::Series && ends.are_carried() {
             let why = "graphics adapters compute no growth and no returns by `method` taylor";
@@ -133,8 +134,8 @@ impl Design {
         Ok(self)
     }
 
-    /// Returns true if scenes have no kernels of their own: expansions check a few pixels of each, and
-    /// their kernels take long to compile.
+    /// Returns true if one kernel serves all scenes: expansions check only a few pixels of each
+    /// scene, and their kernels take long to compile.
     pub(crate) fn serves_all(&self) -> bool {
         self.scheme == Scheme::Series
     }
@@ -143,7 +144,7 @@ impl Design {
         !matches!(self.scheme, Scheme::Fixed(_))
     }
 
-    /// The kernel that computes growth or returns, for a specialised one.
+    /// Returns the variant of a specialised kernel that computes growth or returns.
     pub fn computing(self, ends: WantedEnds) -> Self {
         Design { compensated: false, ends, ..self }
     }
@@ -203,7 +204,7 @@ impl Design {
 
     fn values(&self, maths: BTreeMap<String, String>, may_pass: String) -> Values {
         let order = if self.scheme == Scheme::Fifth { 5 } else { 8 };
-        // The tolerance is data; what is read here does not depend on it.
+        // The tolerance is data; the values read here do not depend on it.
         let control = Control::new(1.0, order);
         let bobs = |suffix: &str| {
             let one = |bob: &usize| {
@@ -314,7 +315,7 @@ fn number_file(precision: Precision) -> &'static str {
     }
 }
 
-/// The self-check's text for one number type, with pairs of f32 computed in this way.
+/// Returns the self-check's text for one number type; `pairs` is the way to compute pairs of f32.
 pub fn selfcheck_text(precision: Precision, pairs: Pairs) -> String {
     let values = SelfcheckValues {
         compensated: true,

@@ -1,8 +1,9 @@
-//! The kernels that an engine keeps, and the thread that compiles more of them beside its work.
+//! The kernels that an engine keeps, and the thread that compiles more of them in the background.
 //!
-//! Behind a window a new scene is answered at once by the general kernel, which reads the scene as
+//! For a window, a new scene is answered at once by the general kernel, which reads the scene as
 //! data. Its own kernel is compiled once the scene has rested, so that a slider in motion compiles
-//! nothing. The roundings of the two differ, so a picture is computed by the one it began with.
+//! nothing. The two kernels round differently, so a picture is computed by the kernel it began
+//! with.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -15,7 +16,7 @@ use super::pipeline::Kernel;
 use crate::EngineError;
 
 /// Largest number of kernels that an engine keeps. A picture needs one, its checks and the other
-/// questions of a scene a few more; all that is lost with one is the time to compile it again.
+/// questions of a scene a few more; dropping one costs only the time to compile it again.
 pub const MAX_KERNELS: usize = 24;
 /// Time for which a scene has to stay the same before a kernel is compiled for it.
 const REST: Duration = Duration::from_millis(300);
@@ -24,7 +25,8 @@ const REST: Duration = Duration::from_millis(300);
 #[derive(Default)]
 pub(super) struct Kernels {
     kept: RecentlyUsed<Kernel>,
-    /// The design that computes the present picture's jobs, for each that is made for their scene.
+    /// Pairs of a design made for a scene and the design that computes the scene in the present
+    /// picture.
     choices: Vec<(Design, Design)>,
     compiler: Option<KernelCompiler>,
     compile_secs: f64,
@@ -59,7 +61,8 @@ impl Kernels {
         self.choices.clear();
     }
 
-    /// The design that the present picture was begun with for a scene; none before its first job.
+    /// Returns the design with which the present picture began a scene, or `None` before its first
+    /// job.
     pub(super) fn chosen(&self, special: &Design) -> Option<Design> {
         let chosen = self.choices.iter().find(|(asked, _)| asked == special);
         chosen.map(|(_, chosen)| *chosen)
@@ -72,8 +75,8 @@ impl Kernels {
         }
     }
 
-    /// Requests that a design be compiled beside the work, unless it is compiled or was the last to be
-    /// requested.
+    /// Requests that a design be compiled in the background, unless it is compiled or was the last
+    /// to be requested.
     pub(super) fn wish(&mut self, gpu: &Gpu, design: Design, workgroup: u32, haste: Haste) {
         if self.has(&design) {
             return;
@@ -82,12 +85,12 @@ impl Kernels {
         let compiler = self.compiler.get_or_insert_with(|| KernelCompiler::new(&gpu.device));
         if compiler.latest != Some(design) {
             compiler.latest = Some(design);
-            // Nobody listens where the thread could not start or has died.
+            // Nobody listens if the thread could not start or has died.
             let _ = compiler.wishes.as_ref().map(|to| to.send(Wish { design, workgroup, haste }));
         }
     }
 
-    /// Takes the kernels that have been compiled meanwhile.
+    /// Takes the kernels that the thread has compiled since the last call.
     fn collect(&mut self) {
         let Some(compiler) = &self.compiler else { return };
         for Compiled { kernel, secs } in compiler.compiled.try_iter() {
@@ -128,15 +131,15 @@ impl<T> RecentlyUsed<T> {
         self.0.iter().any(|kept| is_it(kept))
     }
 
-    /// The first thing that is the one wanted, which counts as its use.
+    /// Returns the first thing that `is_it` accepts, and marks it as the latest used.
     fn get(&mut self, is_it: impl Fn(&T) -> bool) -> Option<Arc<T>> {
         let place = self.0.iter().position(|kept| is_it(kept))?;
         self.0[place..].rotate_left(1);
         self.0.last().cloned()
     }
 
-    /// Adds a thing, in the place of the one that was not used for longest. Who still uses that
-    /// one keeps it alive.
+    /// Adds a thing and, if there are too many, drops the least recently used one, which stays
+    /// alive while it is in use elsewhere.
     fn add(&mut self, thing: T) -> Arc<T> {
         if self.0.len() >= MAX_KERNELS {
             self.0.remove(0);
@@ -147,7 +150,7 @@ impl<T> RecentlyUsed<T> {
     }
 }
 
-/// Moment at which a kernel is compiled beside the work.
+/// Moment at which a kernel is compiled in the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Haste {
     /// The kernel is compiled as soon as possible.
@@ -156,7 +159,7 @@ pub(super) enum Haste {
     AfterRest,
 }
 
-/// A kernel to compile beside the work.
+/// A kernel to compile in the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Wish {
     design: Design,
@@ -164,13 +167,13 @@ struct Wish {
     haste: Haste,
 }
 
-/// A kernel that was compiled beside the work, with the time that it took.
+/// A kernel that was compiled in the background, with the time that it took.
 struct Compiled {
     kernel: Kernel,
     secs: f64,
 }
 
-/// A thread that compiles the kernel wished for last.
+/// A thread that compiles the kernel requested last.
 struct KernelCompiler {
     wishes: Option<Sender<Wish>>,
     compiled: Receiver<Compiled>,
@@ -207,13 +210,13 @@ impl Drop for KernelCompiler {
     /// Waits for the thread: a driver that is still at work when the process ends may crash it.
     fn drop(&mut self) {
         self.wishes = None;
-        // A panic there was reported as it happened.
+        // A panic in the thread was reported when it happened.
         let _ = self.thread.take().map(JoinHandle::join);
     }
 }
 
-/// The next wish to be granted, without those that others have replaced; none once nobody can wish
-/// any more.
+/// Waits for the next request to carry out, skipping those that newer ones replace; returns `None`
+/// once the sender is gone.
 fn next_wish(wishes: &Receiver<Wish>, rest: Duration) -> Option<Wish> {
     let mut wish = wishes.recv().ok()?;
     while wish.haste == Haste::AfterRest {
@@ -226,7 +229,7 @@ fn next_wish(wishes: &Receiver<Wish>, rest: Duration) -> Option<Wish> {
     Some(wish)
 }
 
-/// Compiles a kernel on a thread whose errors are not those of the engine.
+/// Compiles a kernel on the background thread; returns its errors, which do not concern the engine.
 fn compile(device: &wgpu::Device, wish: &Wish) -> Result<Kernel, String> {
     use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
     let scopes = [Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter));

@@ -149,8 +149,8 @@ impl Design {
         })
     }
 
-    /// A step with the rates at which the state moves away from the start at both ends (counterpart:
-    /// `receding` in `cpu/nearest.rs`), and the squared distance from it at the end.
+    /// A step with the rates at which the state moves away from the start at both ends
+    /// (counterpart: `receding` in `cpu/nearest.rs`), and the squared distance from it at the end.
     fn returning_step(&self) -> String {
         write_maths(self.dialect(), || {
             let (pendulum, scale) = (self.pendulum(), self.inverse_scale());
@@ -203,7 +203,7 @@ impl Design {
         if passes.is_empty() { "false".to_string() } else { passes.join(" || ") }
     }
 
-    /// The energy of a pendulum, from its state where a slice of steps ends.
+    /// The energy of a pendulum, from its state at the end of a slice of steps.
     pub(crate) fn energy(&self) -> String {
         write_maths(Dialect { indent: "    ", ..self.dialect() }, || {
             let energy = if self.is_adaptive() {

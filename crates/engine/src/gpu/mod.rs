@@ -1,10 +1,10 @@
 //! The engine that runs on an adapter of wgpu.
 //!
-//! A few jobs are on the device, each with at most one submission in flight: while one runs the
-//! other waits behind it, so the device never idles and never has more than one submission queued.
-//! A submission has one slice or a few; after each the host reads how many pendulums are left,
-//! asynchronously, and makes the next submission longer or shorter so that none runs longer than
-//! the pace. Results do not depend on the pace.
+//! A few jobs are on the device, each with at most one submission in flight: with two, one runs
+//! while the other waits behind it, so the device never idles and never has more than one
+//! submission queued. A submission has one slice or a few; after each the host reads how many
+//! pendulums are left, asynchronously, and makes the next submission longer or shorter so that none
+//! runs longer than the pace. Results do not depend on the pace.
 
 mod adapter;
 mod clock;
@@ -81,7 +81,7 @@ impl GpuEngine {
         }
     }
 
-    /// Changes settings of speed. Kernels are compiled again where they have to be.
+    /// Changes settings that affect only speed. Kernels are compiled again if they have to be.
     pub fn tune(&mut self, tuning: GpuTuning) {
         if tuning.workgroup != self.tuning.workgroup && self.slots.is_empty() {
             self.kernels.clear();
@@ -115,7 +115,7 @@ impl GpuEngine {
         Ok(self.kernels.has(&own))
     }
 
-    /// The kernel of a configuration that takes any scene.
+    /// Returns the design of the kernel that takes any scene in a configuration.
     fn general(&self, config: &IntegratorConfig) -> Result<Design, EngineError> {
         let subgroups = self.tuning.subgroups && self.gpu.has_subgroups();
         let general = Design::general(config, self.verdict.compensated, subgroups)?;
@@ -142,8 +142,9 @@ impl GpuEngine {
         Ok(special)
     }
 
-    /// The design that the present picture was begun with; for a new one, that of the scene's own
-    /// kernel if it is compiled, or else the general one, while the own kernel is compiled.
+    /// Returns the design with which the present picture began. A new picture takes the scene's own
+    /// kernel if it is compiled, or if the general kernel is wrong. Otherwise it takes the general
+    /// kernel, and the scene's own kernel is compiled in the background.
     fn design_at_once(
         &mut self,
         special: Design,
@@ -194,7 +195,7 @@ impl GpuEngine {
                     self.submit_slices(&mut slot);
                 }
                 SlotEvent::Complete(ran) => self.measure(&slot.kernel.design, &ran),
-                // The device may not have reported its loss yet; it is of no use either way.
+                // The device may not have reported its loss yet, but it is of no use either way.
                 SlotEvent::Failed => self.gpu.give_up(),
                 SlotEvent::Answer(answer) => {
                     finished.push(answer?);
@@ -207,14 +208,14 @@ impl GpuEngine {
         Ok(finished)
     }
 
-    /// Measures the time of a step by that of a submission: by the device's clock, or else since it
-    /// was submitted, or since the one before it ended.
+    /// Measures the time of a step from the time of a submission: by the device's clock or, if that
+    /// fails, since the submission or the end of the one before it, whichever is later.
     fn measure(&mut self, design: &Design, ran: &FinishedSlices) {
         let now = Instant::now();
         let began = self.last_landing.map_or(ran.since, |last| last.max(ran.since));
         self.last_landing = Some(now);
         let elapsed = (now - began).as_secs_f64();
-        // A clock that stands still or runs away is of no use.
+        // Ignores a clock that stands still or runs away.
         let whole = (now - ran.since).as_secs_f64();
         let is_sound = |secs: &f64| *secs > 0.0 && *secs <= whole;
         let secs = ran.device_secs.filter(is_sound).unwrap_or(elapsed).max(1e-6);

@@ -1,8 +1,9 @@
-//! Packed outcomes: what a picture shows of them, which is a third of what the kernels keep.
+//! Packed outcomes: a third or half of what the kernels keep, which is all that a picture shows.
 //!
-//! When all pendulums of a job have ended, a last dispatch writes two or three words for each and adds
-//! up the work, so that the host reads 8 or 12 bytes a pendulum instead of 24. Nothing is rounded. Its
-//! input are the outcomes; its output lies in the lists and the queue, which have done their work.
+//! When all pendulums of a job have ended, a last dispatch writes two or three words for each and
+//! adds up the work, so that the host reads 8 or 12 bytes a pendulum instead of 24. Nothing is
+//! rounded. The dispatch reads the outcomes, and overwrites the lists and the queue, which are no
+//! longer needed.
 
 use std::cell::OnceCell;
 
@@ -13,7 +14,7 @@ use crate::Precision;
 use crate::gpu::shared::{NO_MOMENT, RawOutcome};
 use flipmap_pendulum::Status;
 
-/// The words that are kept of an outcome: the first part of the moment or the status, and these.
+/// The words of a packed outcome: first the status or the first part of the moment, then these.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Packing {
     /// The second part of the moment, for adaptive steps.
@@ -28,7 +29,7 @@ impl Packing {
     /// Every packing.
     pub const ALL: [Packing; 3] = [Packing::Moment, Packing::Steps, Packing::StepsAndMoment];
 
-    /// The packing of what a kernel answers.
+    /// Returns the packing of the outcomes of a kernel.
     pub(crate) fn of(design: &Design) -> Self {
         match (design.is_adaptive(), design.precision) {
             (true, _) => Packing::Moment,
@@ -52,7 +53,7 @@ impl Packing {
         self != Packing::Steps
     }
 
-    /// The outcome that `words` words hold; what they leave out is 0.
+    /// Unpacks the outcome that `words` hold; parts that they leave out are 0.
     pub(super) fn unpacked(self, words: &[u32]) -> RawOutcome {
         let first = words[0];
         let steps = if self.is_stepped() { words[1] } else { 0 };
@@ -81,8 +82,8 @@ struct Pipeline {
 const WORKGROUP: u32 = 64;
 
 impl Packer {
-    /// Records a dispatch that packs the outcomes of `count` pendulums. The buffers are the job's head,
-    /// the outcomes, the words and the work, whose bytes are 0.
+    /// Records a dispatch that packs the outcomes of `count` pendulums. The buffers are the job's
+    /// head, the outcomes, the words and the work, whose bytes are 0.
     pub(super) fn record(
         &self,
         gpu: &Gpu,
@@ -135,7 +136,7 @@ mod tests {
                 assert_eq!(packing.unpacked(&words), ended);
             }
         }
-        // A flip without a time stays one, which the host refuses.
+        // A flip without a time stays a flip, which the host refuses.
         let lost = Packing::Moment.unpacked(&[f32::NAN.to_bits(), 0]);
         assert!(lost.status == 1 && lost.moment[0].is_nan());
     }

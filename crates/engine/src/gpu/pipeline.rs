@@ -12,7 +12,7 @@ pub(crate) struct Kernel {
     pub turn: wgpu::ComputePipeline,
     /// Pipeline that takes whole steps.
     pub advance: wgpu::ComputePipeline,
-    /// Pipeline that decides steps in which the top may be reached.
+    /// Pipeline that looks for flips in steps in which the top may be reached.
     pub look: wgpu::ComputePipeline,
     /// Pipeline that puts the pendulums of an upright picture at their starts, where there is one.
     pub begin: Option<wgpu::ComputePipeline>,
@@ -20,15 +20,15 @@ pub(crate) struct Kernel {
 }
 
 impl Kernel {
-    /// Compiles `design` with this number of invocations in a workgroup.
+    /// Compiles `design` with `workgroup` invocations in a workgroup.
     pub(crate) fn new(gpu: &Gpu, design: Design, workgroup: u32) -> Result<Self, EngineError> {
         let kernel = Kernel::compile(&gpu.device, design, workgroup);
         gpu.check()?;
         Ok(kernel)
     }
 
-    /// Compiles `design` on any thread; its errors go to the error scopes there, or to the device's
-    /// report of errors.
+    /// Compiles `design` on any thread; its errors go to the error scopes of that thread, or to the
+    /// device's error handler.
     pub(super) fn compile(device: &wgpu::Device, design: Design, workgroup: u32) -> Self {
         let text = in_workgroups(&design.text(), workgroup);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -68,8 +68,8 @@ fn in_workgroups(text: &str, workgroup: u32) -> String {
     text.replace("const WORKGROUP = 64u;", &format!("const WORKGROUP = {workgroup}u;"))
 }
 
-/// Number of workgroups for `count` invocations, as many as a dispatch can have at most: invocations
-/// take several places each where there are more.
+/// Returns the number of workgroups for `count` invocations, or as many as a dispatch can have, in
+/// which case each invocation takes several places.
 pub(super) fn workgroups(count: u32, workgroup: u32) -> u32 {
     const MOST: u32 = 65_535;
     count.div_ceil(workgroup).min(MOST)

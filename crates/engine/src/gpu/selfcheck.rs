@@ -1,9 +1,10 @@
 //! The self-check: a test of whether an adapter's arithmetic can be trusted.
 //!
-//! Nothing protects floating-point arithmetic on graphics cards: compilers reorder sums, drop error
-//! terms and emit garbage for some functions. So each number type is offered only where a kernel of
-//! known sums came out right on this very device, bit by bit where the standard says so. The
-//! judgement itself is plain code on plain numbers, so that a test can give it false answers.
+//! Floating-point arithmetic on graphics cards cannot be relied on: compilers reorder sums, drop
+//! error terms and emit wrong code for some functions. So a number type is offered only if a kernel
+//! of known operations gives the right results on this very device, bit by bit where the standard
+//! requires it. The verdict itself is plain code on plain numbers, so that a test can give it false
+//! answers.
 
 mod answers;
 
@@ -48,8 +49,8 @@ pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, E
     Ok(Verdict { pairs, ..verdict(checks) })
 }
 
-/// The cheapest way in which pairs of f32 pass all checks, with the results of these; the last way
-/// if none passes.
+/// Returns the cheapest arithmetic on pairs of f32 that passes all checks, or the last one if none
+/// does, with the results of its checks.
 fn cheapest_pairs(
     gpu: &Gpu,
     edit: &dyn Fn(String) -> String,
@@ -68,7 +69,7 @@ fn cheapest_pairs(
 /// Checks orbits: runs the scheme and precision of each of `configs` through the kernel of an
 /// ordinary picture and compares its answers with the gold standard. Many pendulums start at the
 /// same few places in a scattered order, so that the packing of those that still run is checked,
-/// too. A precision that is refused already is not run.
+/// too. A precision that has already been refused is not run.
 pub fn orbits(
     engine: &mut dyn Engine,
     configs: &[IntegratorConfig],
@@ -84,7 +85,7 @@ pub fn orbits(
         let Some((config, allowed_secs)) = orbit_config(config) else { continue };
         let starts = Starts::Rest(starts.clone());
         let job = Job { id: 0, question, config, starts, keep: Keep::NOTHING };
-        // A refused precision has its failed checks already.
+        // The failed checks of a refused precision are already listed.
         if !engine.offers(&config) {
             continue;
         }
@@ -134,15 +135,15 @@ fn scattered() -> impl Iterator<Item = usize> {
     (0..ORBIT_COUNT as u32).map(|k| (k.wrapping_mul(2_654_435_769) >> 8) as usize % ORBITS.len())
 }
 
-/// The configuration by which a scheme is checked in a precision, and the largest error of a flip
-/// time that is allowed, s: far below the error that arithmetic of the next lower precision makes
-/// in these orbits. Fixed steps are bounded by the method's own error.
+/// Returns the configuration by which a method is checked in a precision, and the largest error
+/// allowed in a flip time, in s: far below the error that arithmetic of the next lower precision
+/// makes in these orbits. Fixed steps are bounded by the method's own error.
 fn orbit_config(config: &IntegratorConfig) -> Option<(IntegratorConfig, f64)> {
     let (method, allowed_secs) = match (config.method, config.precision) {
         (Method::Rk4 { .. }, Precision::F32) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-3),
         (Method::Rk4 { .. }, _) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-6),
         (Method::Dopri5 { .. }, Precision::F32) => (Method::Dopri5 { tolerance: 1e-7 }, 5e-3),
-        // Four times as many steps as in the next method add up four times as many roundings.
+        // Four times as many steps as by dop853 add up four times as many rounding errors.
         (Method::Dopri5 { .. }, Precision::Df32) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-7),
         (Method::Dopri5 { .. }, _) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-8),
         (Method::Dop853 { .. }, Precision::F32) => (Method::Dop853 { tolerance: 1e-7 }, 5e-3),
@@ -280,12 +281,12 @@ pub(crate) fn judge(precision: Precision, answers: &[CheckResult]) -> Vec<Check>
     ]
 }
 
-/// A function of the first parts of two pairs, which is exact in f64.
+/// Applies a function, exact in f64, to the first parts of two pairs.
 fn first_parts([a, b]: [f64; 2], function: fn(f64, f64) -> f64) -> f64 {
     function(f64::from(a as f32), f64::from(b as f32))
 }
 
-/// Error of a product with a sum, relative to its terms: they may cancel.
+/// Error of `a * b + a`, relative to the sizes of its two terms, because these may cancel.
 fn beyond_terms(answer: &CheckResult) -> f64 {
     let [a, b] = answer.operands;
     (answer.results[6] - (a * b + a)).abs() / ((a * b).abs() + a.abs())
@@ -301,9 +302,10 @@ fn sum_and_error(precision: Precision, [a, b]: [f64; 2]) -> (f64, f64) {
     }
 }
 
-/// Error of a rounded value: its distance from a whole number, or from the operand beyond a half.
-/// Either neighbour of a tie is right, because devices differ there (software Vulkan by the width of
-/// its registers) and the kernels do not.
+/// Error of a rounded value: its distance from a whole number, or the amount by which its distance
+/// from the operand exceeds a half. Either neighbour of a tie is accepted, because devices round
+/// ties differently (software Vulkan by the width of its registers) and the kernels do not depend
+/// on it.
 fn beyond_half(answer: &CheckResult) -> f64 {
     let ([operand, _], rounded) = (answer.operands, answer.results[6]);
     (rounded - rounded.round()).abs().max((rounded - operand).abs() - 0.5)
@@ -319,7 +321,7 @@ mod tests {
     use crate::level::BALANCED;
     use flipmap_pendulum::Status;
 
-    /// The answers of a sound device.
+    /// The answers of a device whose arithmetic is right.
     fn sound(precision: Precision) -> Vec<CheckResult> {
         let round = |x: f64| match precision {
             Precision::F32 => f64::from(x as f32),

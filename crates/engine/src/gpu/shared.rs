@@ -26,7 +26,7 @@ pub(crate) fn status_of(word: u32) -> Option<Status> {
         .find(|status| *status as u32 == word & 255)
 }
 
-/// The head of a job: all that a kernel made for its scene reads of it.
+/// The head of a job, which is all that a kernel compiled for its scene reads.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct JobHead {
@@ -78,7 +78,7 @@ pub struct JobScene {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct RawOutcome {
-    /// Status in the low byte; above it, the number of times that a possible flip was looked at.
+    /// Status in the low byte; above it, the number of steps taken to look for a flip.
     pub status: u32,
     /// Number of steps taken; for adaptive methods, of steps tried.
     pub steps: u32,
@@ -102,8 +102,8 @@ pub struct CountedOutcome {
     pub passes: [u32; 4],
 }
 
-/// The upper bits of a packed outcome's first word that has a status instead of a moment; as an f32
-/// it is no number.
+/// The upper bits of a packed outcome's first word if it holds a status instead of a moment; as an
+/// f32, the word is NaN.
 pub const NO_MOMENT: u32 = !255;
 
 /// The work for all pendulums of a job, added up on the device.

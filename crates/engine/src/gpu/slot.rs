@@ -24,9 +24,9 @@
 //! * The rare, long search for a flip is a kernel of its own, as in wavefront path tracing (Laine,
 //!   Karras and Aila, *Megakernels considered harmful*, 2013), so the step loop needs no registers
 //!   for it.
-//! * The dispatch size is written on the device (indirect dispatch), so several slices can be submitted
-//!   at once, and the host only learns when to stop. Its reads are asynchronous; outcomes, and states if
-//!   they are kept, are read once, at the end.
+//! * The dispatch size is written on the device (indirect dispatch), so several slices can be
+//!   submitted at once, and the host only learns when to stop. Its reads are asynchronous;
+//!   outcomes, and states if they are kept, are read once, at the end.
 //! * The job is kept whole: if the device is lost, it starts again on a fresh one.
 
 mod answer;
@@ -57,14 +57,14 @@ use crate::{EngineError, Job, JobResult, Keep, Starts};
 pub(super) struct Slot {
     /// The job, kept whole so that it can be repeated on another device.
     pub job: Job,
-    /// The kernel that computes it to its end.
+    /// The kernel that computes the job to its end.
     pub kernel: Arc<Kernel>,
     /// The steps over the budget.
     pub pace: Pace,
     /// Indices in a [`crate::IntegratorState`] of each number of the device's state and of its
     /// remainder.
     places: Vec<[Option<usize>; 2]>,
-    /// The way in which outcomes are packed, if the picture wants no more of them.
+    /// The packing of the outcomes, if the job needs no more of them.
     packing: Option<Packing>,
     lane_steps: u64,
     head: JobHead,
@@ -80,7 +80,7 @@ struct Submission {
     submission: wgpu::SubmissionIndex,
     since: Instant,
     mapped: Arc<AtomicU8>,
-    /// Number of slices; none for the answer.
+    /// Number of slices; 0 for the answer.
     slices: u32,
 }
 
@@ -98,7 +98,7 @@ pub(super) struct FinishedSlices {
     pub pendulum_steps: f64,
 }
 
-/// Result of looking for a slot's read-back.
+/// The state of a slot's read-back.
 pub(super) enum SlotEvent {
     /// The read-back is still in flight.
     InFlight,
@@ -263,7 +263,7 @@ impl Slot {
         SlotEvent::Complete(ran)
     }
 
-    /// Reads how many pendulums each slice has left; none if the device was lost meanwhile.
+    /// Reads how many pendulums each slice has left; returns `None` if the device has been lost.
     fn read_progress(&mut self, gpu: &Gpu, flight: &Submission) -> Option<FinishedSlices> {
         let progress = &self.buffers.progress;
         let queues = answer::read::<Queue>(progress, 0, flight.slices as usize)?;
@@ -319,7 +319,7 @@ fn outcome_size(job: &Job) -> u64 {
     size as u64
 }
 
-/// The way in which a job's outcomes are packed; none where more of them is wanted.
+/// Returns the packing of a job's outcomes, or `None` if the job needs more of them.
 fn packing(job: &Job, kernel: &Kernel) -> Option<Packing> {
     let is_plain = job.keep == Keep::NOTHING && job.question.passes == 1;
     is_plain.then(|| Packing::of(&kernel.design))

@@ -23,10 +23,12 @@
 //!   −1, quotients by 1, double negatives, and sums with negatives. Numbers are taken to be finite;
 //!   nothing is reassociated, so other roundings stay as they are.
 //! * Nodes that no result needs are not printed. Operands precede their users on the tape.
-//! * Products with a sum of pairs of f32 are one function, whose value is made `normal` again for every
-//!   use but as the sum of another: terms that cancel leave it a first part no larger than the second.
+//! * For pairs of f32, a product plus a term is one function. Its value is made `normal` again
+//!   unless it is used only as the term of another, because terms that cancel can leave a first
+//!   part no larger than the second.
 //! * Error terms of sums pass through `guard`, because drivers fold them to zero otherwise.
-//! * Every value is a scalar: on software Vulkan three times faster than the same maths in structs.
+//! * Every value is a scalar, which on software Vulkan is three times faster than the same maths in
+//!   structs.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -51,7 +53,7 @@ enum SymbolNode {
     Binary(char, u32, u32),
     /// The negative of a symbol.
     Negative(u32),
-    /// The first times the second plus the third, of pairs of f32.
+    /// The first operand times the second plus the third, for pairs of f32.
     MultiplyAdd(u32, u32, u32),
     /// A function of symbols, from the shading language or from an included file.
     Call(&'static str, Vec<u32>),
@@ -83,8 +85,9 @@ thread_local! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Symbol(u32);
 
-/// Runs `maths` on symbols and returns shader text that computes its named results: one `let` per
-/// line, then one for each result. `maths` makes its inputs with [`variable`] and [`literal`].
+/// Runs `maths` on symbols and returns shader text that computes its named results: one `let` for
+/// each operation, then one for each result. `maths` makes its inputs with [`variable`] and
+/// [`literal`].
 pub(crate) fn write_maths(
     dialect: Dialect,
     maths: impl FnOnce() -> Vec<(String, Symbol)>,
@@ -236,8 +239,8 @@ impl Real for Symbol {
         literal(value)
     }
 
-    /// Records a product and a sum: drivers that have a fused unit use it by themselves. Pairs of
-    /// f32 have a function for both.
+    /// Records a product and a sum, because drivers fuse the two by themselves where they can.
+    /// Pairs of f32 have one function for both.
     fn mul_add(self, factor: Self, term: Self) -> Self {
         let is_pair = with_tape(|tape| tape.dialect.precision == Precision::Df32);
         let is_short = |factor: Symbol| matches!(factor.value(), Some(0.0 | 1.0 | -1.0));
@@ -247,7 +250,7 @@ impl Real for Symbol {
         push(SymbolNode::MultiplyAdd(self.0, factor.0, term.0))
     }
 
-    /// Puts every rounding behind `guard`, which no optimiser can see through.
+    /// Passes every rounded value through `guard`, which no optimiser can see through.
     fn fast_two_sum(self, other: Self) -> (Self, Self) {
         let guard = |x: Symbol| push(SymbolNode::Guard(x.0));
         let sum = guard(self + other);
@@ -271,7 +274,8 @@ impl Rounding for Symbol {
     }
 }
 
-/// The uses of a value: any, and any but as the sum of a product with a sum.
+/// The uses of a value: `any` is true if it is used at all, `alone` if it is used other than as the
+/// term of a [`SymbolNode::MultiplyAdd`].
 #[derive(Clone, Copy, Default)]
 struct Uses {
     any: bool,

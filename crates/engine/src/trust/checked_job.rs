@@ -37,17 +37,17 @@ struct Done {
     answers: Vec<RunResult>,
 }
 
-/// The answer to a start of which nothing is known.
+/// The answer to a start that has not been computed.
 const UNANSWERED: RunResult = RunResult {
     outcome: Outcome { status: Status::Unflipped, time: 0.0 },
     end: FinalState::NOWHERE,
 };
 
-/// Number of identifiers that a checked job has for the jobs of its runs.
+/// Number of identifiers that are reserved for the runs of a checked job.
 pub(super) const RUNS: u64 = 32;
 
 impl CheckedJob {
-    /// A checked job of which nothing is known, and its first jobs.
+    /// Creates a checked job without answers, and the jobs of its first rung.
     pub(super) fn new(job: Job) -> (Self, Vec<Job>) {
         let job = Job { starts: job.starts.listed(), ..job };
         let count = job.starts.len();
@@ -118,8 +118,8 @@ impl CheckedJob {
         }
     }
 
-    /// Takes a run's answers. Once the rung is complete, returns the jobs of the next one: none if
-    /// every start is sure or the ladder ends.
+    /// Takes a run's answers. Once the rung is complete, returns the jobs of the next one, or an
+    /// empty list if every start is sure or the ladder ends.
     pub(super) fn take(&mut self, index: u64, finished: JobResult) -> Option<Vec<Job>> {
         self.effort += finished.effort;
         let run = *self.rungs.iter().flat_map(|rung| &rung.runs).nth(index as usize)?;

@@ -1,5 +1,6 @@
-//! Every clause of the judge, and what scales a run's error, on answers made up so that the verdict turns
-//! when the clause is left out. Starts for which it turns are in [`super::witnesses`].
+//! Tests of every clause of the judge and of every part of a run's error scale, on made-up answers
+//! whose verdict changes if the clause is left out. Real starts whose verdict changes are in
+//! [`super::witnesses`].
 
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};
@@ -108,8 +109,9 @@ fn the_flip_must_be_told_from_a_near_miss() {
 
 #[test]
 fn a_run_that_is_far_off_must_be_explained() {
-    // DOPRI5, 2.5e-10 off at its release, tells a growth of 400 or of 40. An error of 3e-7 grown as much, and a
-    // thousand times more by bad luck, is far off only in the first case.
+    // The run by DOPRI5, with an error scale of 2.5e-10, shows a growth of 400 or of 40. An error
+    // of 3e-7 that grows as much, and by bad luck a thousand times more, ends far off only in the
+    // first case.
     let told = |apart: f64| {
         let far = from_rest(FAST, flip_at(6.0));
         is_sure(&[
@@ -136,7 +138,7 @@ fn equal_answers_are_no_nearer_than_their_scale() {
 
 #[test]
 fn a_run_that_tells_nothing_takes_nothing_away() {
-    // The chance of the middle run would be twice what is certain.
+    // Without a limit, the chance of the middle run would be 2.
     let finer = from_rest(dop853(1e-14), flip_at(5.0));
     let [middle, coarse] = [from_rest(BALANCED, flip_at(5.045)), from_rest(FAST, flip_at(5.022))];
     assert!(is_sure(&[finer, coarse]));
@@ -151,7 +153,7 @@ fn failed_answers_are_never_sure_and_forbidden_ones_if_all_say_so() {
     assert!(!is_sure(&[from_rest(BALANCED, forbidden), from_rest(FAST, flip_at(5.0))]));
 }
 
-/// An answer that tells what it gathered, or one that only tells its state.
+/// An answer with the growth that it gathered, or one that gives only its state.
 fn gathered(answer: RunResult, log_growth: Option<f64>) -> RunResult {
     let told = |log_growth| Accumulators { log_growth, ..Accumulators::NONE };
     let gathered = log_growth.map_or(Accumulators::UNTOLD, told);

@@ -1,6 +1,6 @@
-//! Direct integration: the answer to a start by the gold standard, in as many digits as it takes from
-//! its release to the end. It shares no start map, no first moments, no rounding of starts, no method
-//! and no event test with the engines.
+//! Direct integration: the gold standard's answer to a start, computed from the release to the end
+//! in as many digits as that needs. It shares no start map, no first moments, no rounding of
+//! starts, no method and no event test with the engines.
 
 use crate::{EventSpec, FinalState, WantedEnds};
 use flipmap_numbers::{Exact, Fixed, Scalar};
@@ -11,16 +11,16 @@ use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, ora
 const DECADES_A_UNIT: f64 = 0.16;
 /// Decimal digits that must be right at the end, and guard digits.
 const DIGITS_AT_END: f64 = 12.0;
-/// Decimal digits by which errors stay below the distance between neighbouring starts at all times, so
-/// that a turn which hides the top from one of them and not from the other is told.
+/// Decimal digits by which errors stay below the distance between neighbouring starts at all times,
+/// so that it is decided from which of them a bob passes the top and from which it turns round.
 const DIGITS_APART: f64 = 8.0;
-/// Displacement of a start, as a share of a digit beyond those right at the end, by which the growth
-/// of nudges is measured.
+/// Number of decades by which the displacement that measures the growth of nudges is below 1 at the
+/// end.
 const NUDGE_DIGITS: f64 = 8.0;
 
-/// The outcome of a start, angles in (−π, π] rad and speeds in rad/s, and its end; `ends` says what
-/// the answer needs, and its neighbours are `apart_rad` away. The nearest return to the start is not
-/// computed.
+/// Returns the outcome of a start (angles in (−π, π] rad, speeds in rad/s) and its end. `ends`
+/// selects the ends that the answer needs, and `apart_rad` is the distance to neighbouring starts.
+/// The nearest return to the start is not computed.
 pub fn answer(
     question: &EventSpec,
     ends: WantedEnds,
@@ -38,8 +38,8 @@ pub fn answer(
     }
 }
 
-/// Returns true if direct integration of starts that are `apart_rad` away from their neighbours takes
-/// seconds, because of its many digits.
+/// Returns true if direct integration of starts that are `apart_rad` away from their neighbours
+/// takes seconds, because of its many digits.
 pub fn takes_long(question: &EventSpec, apart_rad: f64) -> bool {
     let apart = DIGITS_APART - apart_rad.log10();
     limbs(question, WantedEnds::None, &State::rest([Exact::ZERO; 2]), apart) > MAX_LIMBS_IN_A_SECOND
@@ -48,8 +48,8 @@ pub fn takes_long(question: &EventSpec, apart_rad: f64) -> bool {
 /// Largest number of limbs in which a minute of the home pendulum takes less than a second.
 const MAX_LIMBS_IN_A_SECOND: usize = 4;
 
-/// Number of limbs of numbers with the digits that a start needs: those for the growth of errors, and
-/// those that tell a bob beside the top from one at it.
+/// Returns the number of limbs for the digits that a start needs: those for the growth of errors,
+/// and those that tell a bob beside the top from one at the top.
 fn limbs(question: &EventSpec, ends: WantedEnds, start: &State<Exact>, apart: f64) -> usize {
     let (_, unit_secs) = question.reduced();
     let growth = DECADES_A_UNIT * question.budget_secs / unit_secs;
@@ -119,8 +119,8 @@ impl<'a, const N: usize> Direct<'a, N> {
         }
     }
 
-    /// Number of bits that must be right in a step that begins at a reduced time: errors have less and
-    /// less time to grow.
+    /// Number of bits that must be right in a step that begins at a reduced time: the later the
+    /// step, the less time its error has to grow.
     fn bits(&self, at: f64) -> u32 {
         let left = (self.budget.to_f64() - at).max(0.0);
         let digits = (DIGITS_AT_END + DECADES_A_UNIT * left).max(self.apart);
@@ -131,7 +131,8 @@ impl<'a, const N: usize> Direct<'a, N> {
         Orbit::new(self.pendulum, *start).state_at(time)
     }
 
-    /// Natural logarithm of the growth of the largest of all nudges, by orbits beside this one.
+    /// Returns the natural logarithm of the growth of the nudge that grows most, from orbits beside
+    /// this one.
     fn log_growth(&self, end: &State<Fixed<N>>, time: Fixed<N>) -> f64 {
         let (_, unit_secs) = self.question.reduced();
         let decades = DECADES_A_UNIT * self.question.budget_secs / unit_secs + NUDGE_DIGITS;
@@ -176,7 +177,7 @@ mod tests {
 
     #[test]
     fn digits_suffice_for_the_growth_of_a_hundred_seconds() {
-        // Of two integrations in different numbers of digits, both must be right.
+        // Two integrations with different numbers of digits must agree.
         let (question, near) = (question(Rule::First, 100.0), start(["-1.7", "0.06"]));
         let (short, _) = answer(&question, WantedEnds::None, &near, 1.0);
         let (long, _) = Direct::<8>::new(&question, &near, 120.0).answer(WantedEnds::None);

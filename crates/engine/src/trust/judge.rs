@@ -6,8 +6,8 @@
 //! the truth than f. So if f were wrong by more than the tolerance τ, c would be about Kτ away from
 //! it, and a distance of only d would be an accident: c's error, of known size and unknown sign,
 //! happened to lie within d of f's. The chance of that is about d/(Kτ); measurements confirm this
-//! down to the rarest cases that could be counted. Runs with errors of their own multiply their
-//! chances, and an answer is sure when the product is below [`MAX_ERROR_PROBABILITY`].
+//! down to the rarest cases that could be counted. The chances of runs with independent errors
+//! multiply, and an answer is sure when the product is below [`MAX_ERROR_PROBABILITY`].
 //!
 //! The tolerance applies to more than the time of the flip. Errors in the state must also be far
 //! below the height by which any earlier turn missed the top, and below the height by which the
@@ -15,7 +15,7 @@
 //! does not flip, only the missed turns count.
 //!
 //! At least one of the runs that agree must use another method with another test for crossings, and
-//! where a run is far off, growth as the others show it must explain that.
+//! if a run is far off, the growth that the other runs show must explain it.
 
 use super::ladder::Run;
 use crate::{EventSpec, FinalState, WantedEnds};
@@ -39,12 +39,12 @@ const SAFETY: f64 = 0.25;
 const OF_CLEARANCE: f64 = 0.1;
 /// Distance between states from which on errors can no longer be taken to grow linearly.
 const LINEAR: f64 = 0.05;
-/// Largest error allowed in the state of an unflipped pendulum, or of one whose growth or return is the
-/// answer.
+/// Largest error allowed in the state of an unflipped pendulum, or of one whose growth or return is
+/// the answer.
 const UNFLIPPED: f64 = 1e-2;
-/// Largest error allowed in the state of a pendulum where that is the answer.
+/// Largest error allowed in the state of a pendulum if the state is the answer.
 const STATE: f64 = SAFETY * 1e-3;
-/// Largest factor by which an error may exceed what the growth of the others explains.
+/// Largest factor by which an error may exceed what the growth of the other runs explains.
 const UNLIKELY: f64 = 1e3;
 /// Largest accepted probability that an answer of the finest run is called right though it is
 /// wrong.
@@ -66,13 +66,14 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// Makes a judge of answers that need such ends; `leaf_half_rad` is half the side of the leaves for
-    /// deep starts, and unused for others.
+    /// Creates a judge of answers that need `ends`; `leaf_half_rad` is half the side of the leaves
+    /// for deep starts, and unused for others.
     pub(super) fn new(question: &EventSpec, ends: WantedEnds, leaf_half_rad: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         let tolerance = SAFETY * right_secs(unit_secs) / unit_secs;
-        // Where growth or a return is asked for, the state at the end only tells how far errors grew.
+        // Where growth or a return is asked for, the state at the end only shows how far errors
+        // grew.
         let is_answer = question.rule == Rule::Neither && !ends.are_carried();
         let unflipped = if is_answer { STATE } else { UNFLIPPED };
         Judge { pendulum, inverse_scale, tolerance, unflipped, leaf_half_rad }
@@ -149,7 +150,7 @@ impl Judge {
     }
 
     /// Distance between two answers: in time (reduced) or in unit vectors and scaled momenta,
-    /// whichever is larger; none if both are forbidden, infinite if their statuses differ.
+    /// whichever is larger; 0 if both are forbidden, infinite if their statuses differ.
     pub(super) fn distance(&self, a: &RunResult, b: &RunResult) -> f64 {
         match (a.outcome.status, b.outcome.status) {
             (Status::Answered, Status::Answered) => {

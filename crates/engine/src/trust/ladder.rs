@@ -1,9 +1,9 @@
 //! The ladder: computations that a start may need until its answer is sure, from the cheapest up.
 //!
-//! Each has an *error scale*: its expected error (in unit vectors and scaled momenta), taken back
-//! to the release, so that the growth of errors from there to the end turns it into the error at
-//! the end. Only ratios of scales are ever used. They were measured against the gold standard on
-//! the home map, on random scenes and on deep views; `docs/accuracy.md` has the figures.
+//! Each computation has an *error scale*: the error at the release (in unit vectors and scaled
+//! momenta) that grows into its expected error at the end. Only ratios of scales are ever used.
+//! They were measured against the gold standard on the home map, on random scenes and on deep
+//! views; `docs/accuracy.md` has the figures.
 
 use super::Trust;
 use crate::level::{BALANCED, FAST, FINEST};
@@ -32,7 +32,7 @@ pub(super) enum Origin {
     StrictMap,
 }
 
-/// Runs on the starts that are left, and the trust of those that become sure by them.
+/// Runs on the starts that are still open, and the trust in those that they make sure.
 #[derive(Clone, Debug)]
 pub(super) struct Rung {
     pub runs: Vec<Run>,
@@ -73,8 +73,8 @@ impl Run {
     }
 }
 
-/// Error scale of rounding, whatever the method. That of double-double is below all tolerances that it is
-/// used with, so that no verdict depends on it.
+/// Error scale of rounding, whatever the method. The scale of double-double is below all tolerances
+/// used with it, so no verdict depends on it.
 fn rounding(precision: Precision) -> f64 {
     match precision {
         Precision::F32 => 2e-7,
@@ -96,9 +96,9 @@ fn error_scale(config: &IntegratorConfig) -> f64 {
         }
 }
 
-/// Approximate error of a configuration that begins after a start map, expressed in the state with
-/// which it begins. That of Taylor expansions is below the map's own error ([`OF_MAPS`]) in all leaves that
-/// are followed, so that no verdict depends on it.
+/// Approximate error of a configuration that begins after a start map, expressed as an error of the
+/// state with which it begins. The error of Taylor expansions is below the map's own error
+/// ([`OF_MAPS`]) in all leaves that are followed, so that no verdict depends on it.
 fn error_scale_after_a_map(config: &IntegratorConfig) -> f64 {
     rounding(config.precision)
         + match config.method {
@@ -109,8 +109,8 @@ fn error_scale_after_a_map(config: &IntegratorConfig) -> f64 {
         }
 }
 
-/// Least error of start maps, as a share of half a leaf, whatever their polynomials leave out (see
-/// [`FinalState::map_error`]): rounding errors, and those of their steps.
+/// Least error of start maps, as a share of half a leaf: rounding errors and errors of their steps,
+/// which come on top of what their polynomials leave out (see [`FinalState::map_error`]).
 const OF_MAPS: f64 = 5e-11;
 
 /// Largest error scale at which a configuration is far enough below a probe in f32 to need no finer
@@ -135,9 +135,9 @@ const LAST: IntegratorConfig = dd_run(Method::Taylor { tolerance: 1e-28 });
 /// A configuration in double-double that checks [`LAST`].
 const CHECK: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-25 });
 
-/// The rungs to climb, one after the other, as long as a start is not sure; `leaf_half_rad` is half
-/// the side of the leaves of deep starts. The first rung begins with its finest run. Runs that were
-/// made before are left out: that the same run ends in the same place confirms nothing.
+/// Returns the rungs that a start climbs until it is sure; `leaf_half_rad` is half the side of the
+/// leaves of deep starts. The first rung begins with its finest run. Runs that an earlier rung has
+/// made are left out, because repeating a run confirms nothing.
 pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Vec<Rung> {
     let mut rungs = match leaf_half_rad {
         Some(half) => deep_rungs(half),
@@ -152,9 +152,9 @@ pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Ve
     rungs
 }
 
-/// The ends that a run returns where these are wanted: plain ones, which confirm the state alone, if it
-/// cannot carry the quantity along, or only in a scalar loop, which takes a hundred times as long as
-/// the other runs.
+/// Returns the ends that a run computes if `wanted` ends are needed. A run that cannot carry the
+/// quantity along, or only in a scalar loop a hundred times slower than the other runs, computes
+/// plain ends, which confirm the state alone.
 pub(super) fn ends_of(config: &IntegratorConfig, wanted: WantedEnds) -> WantedEnds {
     let is_scalar = wanted.are_carried() && config.method.is_series();
     let can_carry = !is_scalar && wanted.check(config).is_ok();
@@ -192,7 +192,7 @@ fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {
     .collect()
 }
 
-/// The rungs in double-double, from the release. What they cost differs by far: the first takes a
+/// The rungs in double-double, from the release. Their costs differ widely: the first takes a
 /// quarter of the second's time.
 fn rungs_beyond_f64() -> impl Iterator<Item = Rung> {
     [BEYOND, LAST, CHECK].into_iter().map(|config| {

@@ -2,9 +2,10 @@
 //! until its answer is *sure*, or else the answer is marked as uncertain.
 //!
 //! Nearby starts move apart exponentially, so a single run cannot know its own error. But every run
-//! has an *error scale*, its expected error taken back to the release, and all runs of a start
-//! share the growth from there on. So the distance between a fine and a coarse run measures the
-//! growth, and growth times the fine run's scale is the fine run's error: an a-posteriori estimate.
+//! has an *error scale*, the error at the release that grows into its expected error at the end,
+//! and all runs of a start share the growth from there on. So the distance between a fine and a
+//! coarse run measures the growth, and growth times the fine run's scale is the fine run's error:
+//! an a-posteriori estimate.
 //!
 //! ```text
 //!  all starts     the requested configuration, and DOPRI5 in f32     [ladder]
@@ -19,10 +20,10 @@
 //! ```
 //!
 //! The finest answer so far is sure when three things hold: the chance that the other runs are so
-//! near it by accident, although it is wrong, is below 1e-6; one of those that agree is of another
-//! method with another event test; and growth explains those that are far off. An answer counts as
-//! wrong if its flip time is off by more than is allowed, or if its run may have taken a near miss
-//! of the top for a crossing. This is a statistical argument, not an enclosure.
+//! near it by accident, although it is wrong, is below 1e-6; one of the runs that agree uses
+//! another method with another event test; and growth explains the runs that are far off. An answer
+//! counts as wrong if its flip time is off by more than is allowed, or if its run may have taken a
+//! near miss of the top for a crossing. This is a statistical argument, not an enclosure.
 //!
 //! Nine in ten starts of the home map are sure after the first rung. [`TrustEngine`] wraps another
 //! engine and adds a [`Trust`] to each of its answers. Deep starts climb a ladder of their own, and
@@ -76,18 +77,18 @@ impl Trust {
         ("uncertain", Trust::Uncertain),
     ];
 
-    /// Trust in an outcome that is proved before anything is computed. It means nothing for
-    /// forbidden ones, which count as unchecked.
+    /// Trust in an outcome that is proved before anything is computed. Forbidden outcomes need no
+    /// trust, and count as unchecked.
     pub fn of_proved(outcome: &Outcome) -> Trust {
         if outcome.status == Status::Forbidden { Trust::Unchecked } else { Trust::Agreed }
     }
 }
 
-/// An engine that checks the one it wraps. The wrapped engine runs the configurations that it
-/// checks by, the processor all others.
+/// An engine that checks the answers of the engine that it wraps. The wrapped engine runs the
+/// configurations for which [`Engine::checks_by`] returns true, the processor all others.
 pub struct TrustEngine<'a> {
     inner: Box<dyn Engine + 'a>,
-    /// The processor; none where `inner` is the processor itself.
+    /// The processor; `None` if `inner` is the processor itself.
     checker: Option<DepthEngine<'static>>,
     waiting: [VecDeque<Job>; 2],
     flying: [usize; 2],
@@ -228,8 +229,8 @@ impl Engine for TrustEngine<'_> {
         self.cases.clear();
     }
 
-    /// Two more than the wrapped engine's: a checked job waits for its slowest pixel, and others
-    /// fill the engines meanwhile.
+    /// Two more than the wrapped engine's: while a checked job waits for its slowest pixel, other
+    /// jobs fill the engines.
     fn slots(&self) -> usize {
         self.inner.slots() + 2
     }

@@ -1,7 +1,7 @@
-//! The outlook on unchecked answers: the share of a sample of starts whose errors grow beyond what
-//! still counts as right.
+//! The expected accuracy of unchecked answers: the share of a sample of starts whose errors grow
+//! too large for right answers.
 //!
-//! Every start is computed twice, the second time from a place moved by many times the error scale
+//! Every start is computed twice, the second time from a start moved by many times the error scale
 //! of the configuration. The distance by which this moves the answer measures the growth of its
 //! errors, and hence its error.
 
@@ -14,23 +14,23 @@ use crate::{
 };
 use flipmap_numbers::Dd;
 
-/// The expectation for a picture, from a sample of its starts.
+/// The expected accuracy of a picture, from a sample of its starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AccuracyEstimate {
     /// Number of starts in the sample.
     pub sampled: usize,
     /// Number of those whose errors have grown too large.
     pub beyond: usize,
-    /// The opinion of direct integration on some of the others, where start maps or first moments tell
-    /// their answers.
+    /// The second opinion on some of the other starts, if start maps or first moments gave their
+    /// answers.
     pub opinion: Opinion,
 }
 
-/// The answers to a sample of starts, and which of them errors have grown too large for.
+/// The answers to a sample of starts, and marks for those whose errors have grown too large.
 pub struct SampledAnswers {
     /// The answers, with their ends.
     pub result: JobResult,
-    /// True for those beyond the horizon.
+    /// True for starts beyond the horizon.
     pub beyond: Vec<bool>,
 }
 
@@ -42,7 +42,8 @@ const NUDGE: f64 = 30.0;
 const DEEP_NUDGE: f64 = 1e-8;
 
 impl AccuracyEstimate {
-    /// Computes some starts, and finds those beyond the horizon; none once `keep_going` returns false.
+    /// Computes some starts, and finds those beyond the horizon; returns `None` once `keep_going`
+    /// returns false.
     pub fn sample(
         engine: &mut dyn Engine,
         question: EventSpec,
@@ -133,7 +134,7 @@ mod tests {
     use flipmap_pendulum::Rule;
     use flipmap_scene::PendulumSpec;
 
-    /// The outlook of starts in a row from one of them.
+    /// Returns the estimate for a row of starts that begins at `from`.
     fn outlook(from: [f64; 2], budget_secs: f64) -> AccuracyEstimate {
         let opinion = Opinion::default();
         let mut engine = CpuEngine::new(Some(2)).unwrap();

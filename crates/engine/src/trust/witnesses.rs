@@ -1,6 +1,6 @@
-//! Starts that were found by search: each constant of the judge and the ladder decides on which rung one
-//! of them becomes sure, and on another one when it is weakened by a factor of ten. Clauses for which no
-//! start was found are tested in [`super::clauses`].
+//! Starts that were found by a search. For each constant of the judge and the ladder, one of them
+//! becomes sure on another rung if the constant is weakened by a factor of ten. Clauses for which
+//! no start was found are tested in [`super::clauses`].
 
 use super::checked_job::CheckedJob;
 use crate::cpu::CpuEngine;
@@ -12,8 +12,8 @@ use flipmap_pendulum::Rule;
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::{ExactPlane, Kind, PendulumSpec};
 
-/// A start at rest, or a place in a leaf; the index of the rung on which it becomes sure; and what moves
-/// it to another one.
+/// A start at rest, or a place in a leaf; the index of the rung on which it becomes sure; and the
+/// constants that move it to another rung.
 type Witness = ([f64; 2], usize, &'static str);
 
 /// Compares the rungs on which starts become sure with those expected.

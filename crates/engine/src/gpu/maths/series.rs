@@ -10,9 +10,9 @@ use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
 const TERMS: usize = ORDER_F64 + 1;
 
 impl Design {
-    /// The expansion at a state and the step that it allows: the step's length, the `_next` value of
-    /// every state variable that moves, and for each watched bob its coefficients with bounds on where
-    /// it goes within the step.
+    /// The expansion at a state and the step that it allows: the step's length, the `_next` value
+    /// of every state variable that moves, and for each watched bob its coefficients with bounds on
+    /// where it goes within the step.
     pub(super) fn series_step(&self) -> String {
         write_maths(self.dialect(), || {
             let phase: Phase<Symbol> = std::array::from_fn(|i| variable(PHASE[i]));

@@ -1,4 +1,4 @@
-//! A device's answers to the sums of the self-check, in each number type.
+//! A device's answers to the operations of the self-check, in each number type.
 
 use super::{CheckResult, operands};
 use crate::EngineError;

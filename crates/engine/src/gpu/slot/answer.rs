@@ -15,12 +15,12 @@ use crate::{
 use flipmap_pendulum::{Accumulators, Outcome, Status};
 
 impl Slot {
-    /// The answer, once it has been mapped; none if the device was lost after that, an error if it
-    /// lost pendulums.
+    /// Reads the answer once it has been mapped. Returns `None` if the device was lost after that,
+    /// and an error if the device lost pendulums.
     pub(super) fn read_answer(&self) -> Option<Result<JobResult, EngineError>> {
         let answer = &self.buffers.answer;
         let bytes = answer_bytes(&self.job, self.packing);
-        // Read where it lies: a copy takes as long as all that is done with it.
+        // Reads the mapped memory in place, because a copy takes as long as all the work on it.
         let view = answer.slice(..bytes).get_mapped_range().ok()?;
         let read = if let Some(packing) = self.packing {
             let (work, words) = view.split_at(size_of::<PackedWork>());
@@ -103,8 +103,8 @@ impl Slot {
         raw.par_iter().zip(states).enumerate().map(one).collect()
     }
 
-    /// Gives states the turns and passes counted so far, where these are counted and nothing else is
-    /// taken along.
+    /// Adds the turns and passes counted so far to states, if these are counted and nothing else is
+    /// carried along.
     fn add_counts(&self, Outcomes { raw, passes }: Outcomes, states: &mut [IntegratorState]) {
         if !self.job.question.counts() || self.job.keep.ends.are_carried() {
             return;
@@ -204,13 +204,13 @@ struct Outcomes<'a> {
 /// Number of pendulums that a thread takes at a time.
 const SHARE: usize = 1 << 12;
 
-/// The passes of a pendulum; none where they are not counted.
+/// Returns the passes of a pendulum, or zeros if passes are not counted.
 fn passes_of(passes: &[[u32; 4]], k: usize) -> [u32; 4] {
     passes.get(k).copied().unwrap_or_default()
 }
 
-/// The status of a pendulum that has ended; none for one that the device returned unchanged, or with a
-/// flip that has no time.
+/// Returns the status of a pendulum that has ended, or `None` for one that the device returned
+/// unchanged, or with a flip that has no time.
 fn ended(raw: &RawOutcome) -> Option<Status> {
     let is_sound = |status: &Status| {
         *status != Status::Answered || raw.moment.iter().all(|part| part.is_finite())
@@ -218,8 +218,8 @@ fn ended(raw: &RawOutcome) -> Option<Status> {
     status_of(raw.status).filter(is_sound)
 }
 
-/// The outcomes of `count` pendulums by what a device has written of each; an error if one has not
-/// ended.
+/// Returns the outcomes of `count` pendulums from what a device has written for each, or an error
+/// if one has not ended.
 fn all_ended(
     count: usize,
     raw: impl Fn(usize) -> RawOutcome + Sync,
@@ -237,7 +237,8 @@ fn all_ended(
     })
 }
 
-/// Returns an error unless the words of all pendulums have been written; others mean nothing.
+/// Returns an error unless the words of all pendulums have been written, because unwritten words
+/// mean nothing.
 fn all_packed(count: usize, work: &PackedWork) -> Result<(), EngineError> {
     match count.abs_diff(work.packed as usize) {
         0 => Ok(()),
@@ -257,7 +258,8 @@ fn turns_of(raw: &RawOutcome) -> [i32; 2] {
     [raw.turns as i16, (raw.turns >> 16) as i16].map(i32::from)
 }
 
-/// `count` values of a mapped buffer; none if the device was lost after it was mapped.
+/// Reads `count` values of a mapped buffer; returns `None` if the device was lost after it was
+/// mapped.
 pub(super) fn read<T: Pod>(buffer: &wgpu::Buffer, offset: u64, count: usize) -> Option<Vec<T>> {
     let bytes = offset..offset + (count * size_of::<T>()) as u64;
     let view = buffer.slice(bytes).get_mapped_range().ok()?;

@@ -5,11 +5,12 @@ use crate::start::at_rest_at;
 use crate::{IntegratorState, Job, Starts};
 use flipmap_numbers::Dd;
 
-/// The states of every column, of every row, and one of them for what all have in common.
+/// The states of all columns and of all rows. The first column's state also gives the numbers that
+/// all starts share.
 pub(super) struct Axes {
     columns: Vec<IntegratorState>,
     rows: Vec<IntegratorState>,
-    /// Sources of the numbers of the device's state, and their places there.
+    /// For each number of the device's state, the coordinate on which it depends and its places.
     numbers: Vec<(Along, [Option<usize>; 2])>,
 }
 
@@ -22,8 +23,9 @@ enum Along {
 }
 
 impl Axes {
-    /// The axes of a job of an upright picture whose kernel can begin it. `places` are those of the
-    /// numbers of the device's state, see [`crate::start::places`].
+    /// Returns the axes of a job whose starts are those of an upright picture, if its kernel can
+    /// begin them. `places` are the places of the numbers of the device's state (see
+    /// [`crate::start::places`]).
     pub(super) fn of(job: &Job, kernel: &Kernel, places: &[[Option<usize>; 2]]) -> Option<Self> {
         let Starts::Upright(upright) = &job.starts else { return None };
         kernel.begin.as_ref()?;
@@ -44,7 +46,8 @@ impl Axes {
         })
     }
 
-    /// The states that each number of the device's state is taken from, and its places there.
+    /// Returns the states from which each number of the device's state is taken, and its places in
+    /// them.
     pub(super) fn numbers(&self) -> impl Iterator<Item = (&[IntegratorState], [Option<usize>; 2])> {
         self.numbers.iter().map(|(along, places)| match along {
             Along::Column => (&self.columns[..], *places),
@@ -53,7 +56,7 @@ impl Axes {
         })
     }
 
-    /// Count of all numbers.
+    /// Returns the number of values that are uploaded.
     pub(super) fn len(&self) -> usize {
         self.numbers().map(|(states, _)| states.len()).sum()
     }

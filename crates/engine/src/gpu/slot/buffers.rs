@@ -1,4 +1,4 @@
-//! The buffers of a job, and the pool in which they wait for the next one.
+//! The buffers of a job, and the pool in which they wait for the next job.
 //!
 //! A job of a million pendulums has some 80 MB of buffers. Allocating and clearing them anew for
 //! each job would take as long as the job on a fast card.
@@ -44,7 +44,7 @@ pub(super) struct Ticks {
 
 /// Size in bytes of the two moments of a submission.
 pub(super) const TICK_BYTES: u64 = 16;
-/// Offset of these moments among the progress.
+/// Offset of these moments in the progress buffer.
 pub(super) const TICKS_AT: u64 = MAX_SLICES as u64 * size_of::<Queue>() as u64;
 
 /// Buffers of finished jobs, by their labels.
@@ -53,18 +53,20 @@ pub(in crate::gpu) struct BufferPool {
     free: Vec<(&'static str, wgpu::Buffer)>,
 }
 
-/// Largest number of free buffers: those of two jobs. The ones that have waited longest go first.
+/// Largest number of free buffers that are kept: those of two jobs. The ones that have been free
+/// longest are dropped first.
 const MAX_FREE_BUFFERS: usize = 22;
 
-/// The size that is allocated for a buffer, so that jobs of nearly equal size can use each other's:
-/// at most a quarter more.
+/// Returns the size to allocate for a buffer: at most a quarter more than needed, so that jobs of
+/// nearly equal size can reuse each other's buffers.
 fn size_class(bytes: u64) -> u64 {
     let step = (bytes.max(256).next_power_of_two() / 8).max(64);
     bytes.next_multiple_of(step)
 }
 
 impl BufferPool {
-    /// A free buffer of the label and about the size, or a new one. Its contents mean nothing.
+    /// Returns a free buffer with the label and about the size, or a new one. Its contents are
+    /// undefined.
     fn take(
         &mut self,
         gpu: &Gpu,
@@ -78,7 +80,7 @@ impl BufferPool {
             return Ok(self.free.remove(place).1);
         }
         gpu.buffer(label, size, usage).or_else(|_| {
-            // The free buffers may be what takes the missing memory.
+            // The free buffers may take up the memory that is missing.
             self.free.clear();
             gpu.buffer(label, bytes, usage)
         })
@@ -122,8 +124,9 @@ const AXES: &str = "a job's columns and rows";
 const PLACES: &str = "a job's places";
 
 impl Buffers {
-    /// The buffers of a job whose states have `state_len` numbers; the device begins it from `begun`
-    /// numbers of columns and rows, if any. The answer without states has `answer_bytes`.
+    /// Creates the buffers of a job whose states have `state_len` numbers each. The device begins
+    /// it from `begun` numbers of columns and rows, if any. The answer without states has
+    /// `answer_bytes`.
     pub(super) fn new(
         gpu: &Gpu,
         pool: &mut BufferPool,

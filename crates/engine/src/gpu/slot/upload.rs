@@ -89,7 +89,8 @@ impl Slot {
 /// Smallest number of invocations in a workgroup.
 const MIN_WORKGROUP: u32 = 32;
 
-/// A number of each state as the device has it, from its place there and that of its remainder.
+/// Encodes one number of each state for the device, from the places of the number and of its
+/// remainder in the state.
 fn encoded(
     states: &[IntegratorState],
     [high, low]: [Option<usize>; 2],
@@ -109,7 +110,7 @@ fn encoded(
     }
 }
 
-/// A number and its remainder, where it has one of its own, as two f32.
+/// Splits the sum of a number and its remainder into two f32.
 fn two_floats(value: f64, remainder: f64) -> [f32; 2] {
     let high = value as f32;
     let below = if high.is_finite() { value - f64::from(high) } else { 0.0 };
