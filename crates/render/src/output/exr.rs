@@ -1,8 +1,8 @@
 //! Samples as an OpenEXR image with the channels of the question (such as `time` in s; `+inf` for
-//! unflipped and failed, `nan` for forbidden), `height` where the question asks for a time (the natural
-//! logarithm of the time, or of the budget where there is no time, so that it is finite everywhere),
-//! `status` (0 unflipped, 1 flipped or answered, 2 forbidden, 3 failed) and `uncertain` (0 or 1), all
-//! f32, row 0 at the top.
+//! unflipped and failed, `nan` for forbidden), `height` if the question asks for a time (the
+//! natural logarithm of the time, or of the budget where there is no time, so it is finite
+//! everywhere), `status` (0 unflipped, 1 flipped or answered, 2 forbidden, 3 failed) and
+//! `uncertain` (0 or 1), all f32, row 0 at the top.
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::slice::from_ref;
@@ -23,7 +23,8 @@ use flipmap_scene::{Document, QuestionSettings};
 enum Column {
     /// A channel of the question, by its index.
     Value(usize),
-    /// The logarithm of the time; the largest one where there is no time.
+    /// The natural logarithm of the time; at most this one, that of the budget, which also stands
+    /// for no time.
     Height(f32),
     Status,
     Uncertain,
@@ -43,7 +44,7 @@ fn columns_of(question: &QuestionSettings) -> Vec<(&'static str, Column)> {
 }
 
 /// Longest row in pixels that is compressed together with others, sixteen at a time. Longer rows
-/// exceed what the compressor looks back over, so that several would only cost memory.
+/// exceed the compressor's window, so joining them would only cost memory.
 const SHORT_ROW: u32 = 1 << 14;
 
 /// Writes blocks of rows as the samples come, and at the end the table of the blocks' offsets.
@@ -52,7 +53,7 @@ pub(crate) struct ExrWriter<W: Write + Seek> {
     header: Header,
     /// File offset of the table of the blocks' offsets.
     table_at: u64,
-    /// File offset of each block that is written.
+    /// File offsets of the blocks written so far.
     places: Vec<u64>,
     /// File offset of the next block.
     end: u64,
@@ -65,7 +66,7 @@ pub(crate) struct ExrWriter<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> ExrWriter<W> {
-    /// Begins a `size` image that carries `document`, at the beginning of a file.
+    /// Begins a `size` image that carries `document`, at the start of a file.
     pub(crate) fn new(mut out: W, size: [u32; 2], document: &Document) -> io::Result<Self> {
         let header = header(size, document);
         let mut bytes = Vec::new();
@@ -184,7 +185,8 @@ fn begin(bytes: &mut Vec<u8>, header: &Header) -> exr::error::UnitResult {
     Header::write_all(from_ref(header), bytes, false)
 }
 
-/// Converts an error of the encoder, which writes nothing itself, so that all errors are its own.
+/// Converts an error of the encoder, which only writes to memory, so it is never an error of the
+/// file.
 fn cause(error: Error) -> io::Error {
     io::Error::other(error)
 }
