@@ -9,9 +9,10 @@
 //! ```
 //!
 //! `of` is the SHA-256 of everything that decides the samples: scene, size, integrator config,
-//! checking, program version. The name has eight of its digits, the body all of them. Names only
-//! tell files apart; [`Parts::scan`] reads what there is from the bodies. So it does not matter who
-//! computed a part, or in which order; parts may overlap, and two that hold the same are equal.
+//! checking, program version. The name has its first eight digits, the body all of them. Names only
+//! distinguish files; [`Parts::scan`] reads the contents from the bodies. So it does not matter who
+//! computed a part, or in which order; parts may overlap, and two that hold the same samples are
+//! equal.
 //!
 //! - A part is valid if its first line, checksum and encoding are right, and if it has as many
 //!   samples as it states, with the width and channels that the plan requires for its digest. Any

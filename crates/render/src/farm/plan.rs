@@ -168,7 +168,7 @@ impl Plan {
         }
     }
 
-    /// The output that is wanted.
+    /// Returns the output that is wanted.
     pub(crate) fn what(&self) -> PlannedOutput {
         match (&self.still, &self.film) {
             (_, Some(film)) => PlannedOutput::Film(film.clone()),

@@ -15,7 +15,7 @@ use flipmap_scene::lattice::Cell;
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Document, PendulumSpec, QuestionSettings, Sampling, Scene, View};
 
-/// Largest number of patches in a hand, which is dealt to one shard.
+/// Largest number of patches in a hand; each hand is dealt to one shard.
 const DEALT: usize = 256;
 /// Number of hands for every shard; hands are made smaller if there would be fewer.
 const HANDS: usize = 8;

@@ -84,7 +84,7 @@ impl Colours {
         samples.iter().map(of).collect()
     }
 
-    /// The height of a flip that is shown, 1 to 65535; 0 without one.
+    /// Returns the height of a flip that is shown, 1 to 65535; 0 without one.
     fn height(&self, outcome: &Outcome, shown: &FlipWindow) -> u16 {
         if !shown.shows(outcome) {
             return 0;

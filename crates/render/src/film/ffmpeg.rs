@@ -29,7 +29,7 @@ pub enum Codec {
 /// Reasons why there is no film.
 #[derive(Debug, thiserror::Error)]
 pub enum FfmpegError {
-    /// An ffmpeg that cannot be run.
+    /// The program ffmpeg cannot be run.
     #[error(
         "cannot run ffmpeg ({0}); on Debian or Ubuntu: apt-get install ffmpeg, or name a folder \
          for numbered pictures, which need nothing"
@@ -61,7 +61,7 @@ pub enum FfmpegError {
 }
 
 impl Codec {
-    /// The codec for the extension of a film's name.
+    /// Returns the codec for the extension of a film's name.
     pub fn of(path: &Path) -> Option<Codec> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
@@ -136,7 +136,8 @@ impl Codec {
     }
 }
 
-/// The arguments with which ffmpeg writes `film` to `to`, reading frames from standard input.
+/// Returns the arguments with which ffmpeg writes `film` to `to`, reading frames from standard
+/// input.
 pub fn arguments(codec: Codec, film: &Film, to: &Path) -> Vec<OsString> {
     let [width, height] = film.size;
     let text = format!(

@@ -1,5 +1,5 @@
-//! Frames as numbered pictures: each a PNG that carries its scene, with a JSON file beside it, and
-//! a manifest once all are there.
+//! Frames as numbered pictures. Each is a PNG that carries its scene, with a JSON file beside it; a
+//! manifest follows once all are there.
 //!
 //! Each frame's JSON file is written before its picture. A numbered picture without one, or without
 //! a scene, therefore comes from another program, and a folder that holds such a picture is refused
@@ -88,7 +88,7 @@ impl Frames {
         })
     }
 
-    /// Returns true for the name of a frame or of the JSON file beside it.
+    /// Returns true for the name of a frame or of its JSON file.
     pub fn are_named(name: &str) -> bool {
         let stem = name.strip_suffix(".png").or_else(|| name.strip_suffix(".json"));
         stem.is_some_and(|stem| stem.len() >= 6 && stem.bytes().all(|byte| byte.is_ascii_digit()))

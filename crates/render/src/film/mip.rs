@@ -257,7 +257,8 @@ mod tests {
 
     #[test]
     fn each_level_has_the_means_of_its_own_looks() {
-        // Patches three levels down, dark for the whole torus and lit by 100 more for each finer level.
+        // Patches three levels down, dark for the whole torus and brighter by 100 for each finer
+        // level.
         let two = Cell::WHOLE.children().map(|cell| cell.children());
         let patches: Vec<Cell> = two.iter().flatten().flat_map(Cell::children).collect();
         let mut looks = || {

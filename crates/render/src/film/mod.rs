@@ -13,8 +13,8 @@
 //! keys ─▶ shots ─▶ patches ─▶ samples ─▶ Mip ─▶ FramePainter ─▶ Frames, or ffmpeg's Encoder
 //! ```
 //!
-//! The [`Mip`] holds the colours of the patches and, averaged over 2 × 2 samples a level, those of
-//! every cell above them up to the whole torus; the [`FramePainter`] takes each frame out of it.
+//! The [`Mip`] holds the colours of the patches and, averaged over 2 × 2 samples per level, those
+//! of every cell above them up to the whole torus; the [`FramePainter`] paints each frame from it.
 //!
 //! - A zoom costs as many samples as a few frames per octave, however many frames it has.
 //! - A place has the same samples in every frame, so no pixel flickers between two frames.
@@ -98,7 +98,7 @@ impl FrameGroup {
     }
 }
 
-/// The groups of a film: one for each run of frames with the same pendulum.
+/// Returns the groups of a film, one for each run of frames with the same pendulum.
 pub(crate) fn frame_groups(film: &Film) -> Vec<FrameGroup> {
     let samples = film.keys[0].scene.picture.samples.along();
     let shots: Vec<Shot> = (0..film.frames).map(|frame| film.shot(frame)).collect();

@@ -208,7 +208,7 @@ mod tests {
             let middle = 0.5 * (above + below);
             *(if level(middle) == level(0.6) { &mut above } else { &mut below }) = middle;
         }
-        // The film goes on, so that the middle is finer still; a wave is three pixels long.
+        // The film continues, so the middle is finer still; a wave is three pixels long.
         let shots = [shot(above, 0.0), shot(below, 0.0), shot(0.02, 0.0)];
         let mut mip = waves(&shots, 0.5 * above / 96.0);
         let [a, b] = [0, 1].map(|k: usize| painter().paint(&shots[k], &mut mip).unwrap());

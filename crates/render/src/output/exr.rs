@@ -23,14 +23,14 @@ use flipmap_scene::{Document, QuestionSettings};
 enum Column {
     /// A channel of the question, by its index.
     Value(usize),
-    /// The natural logarithm of the time; at most this one, that of the budget, which also stands
-    /// for no time.
+    /// The natural logarithm of the time. The field, that of the budget, is its upper limit, and
+    /// its value where there is no time.
     Height(f32),
     Status,
     Uncertain,
 }
 
-/// The channels of a question's image in the order of the file, which is alphabetical.
+/// Returns the channels of a question's image in the order of the file, which is alphabetical.
 fn columns_of(question: &QuestionSettings) -> Vec<(&'static str, Column)> {
     let ask = question.ask;
     let channels = ask.kind().channels.iter().enumerate();
@@ -163,7 +163,7 @@ impl<W: Write + Seek> ExrWriter<W> {
     }
 }
 
-/// The header of an image: its channels and how they are encoded.
+/// Returns the header of an image: its channels and how they are encoded.
 fn header(size: [u32; 2], document: &Document) -> Header {
     let columns = columns_of(&document.question);
     let channels =
@@ -213,7 +213,7 @@ mod tests {
         samples
     }
 
-    /// The file of an image that is written `part` samples at a time.
+    /// Returns the file of an image that is written `part` samples at a time.
     fn written(size: [u32; 2], samples: &Samples, part: usize) -> Vec<u8> {
         let out = Cursor::new(Vec::new());
         let mut writer = ExrWriter::new(out, size, &Document::default()).unwrap();
@@ -240,7 +240,7 @@ mod tests {
         found.sample_data.values_as_f32().collect()
     }
 
-    /// The same image by the library's own writer, which needs all of it at once.
+    /// Returns the same image from the library's own writer, which needs all of it at once.
     fn by_the_library(size: [u32; 2], samples: &Samples, compression: Compression) -> Vec<u8> {
         let values = |value: &dyn Fn(usize) -> f32| (0..samples.len()).map(value).collect();
         let most = (Document::default().question.budget.secs as f32).ln();

@@ -1,4 +1,4 @@
-//! A legend in the corner of a picture: what its colours mean, with units.
+//! A legend in the corner of a picture, which explains its colours, with units.
 
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 
@@ -72,7 +72,7 @@ impl Legend {
     }
 }
 
-/// Length in letters up to which values leave room for more at the quarters of the bar.
+/// Longest value, in letters, that leaves room for values at the quarters of the bar.
 const LONG: usize = 5;
 /// Colour of the frames around colours that may be as dark as the legend.
 const FRAME: Rgb = [0x90; 3];

@@ -33,7 +33,7 @@ impl LitRows {
         self.tints.extend(tints);
         self.heights.extend(heights);
         let rows = self.heights.len() / self.across;
-        // The last row of the picture has none below it to wait for.
+        // The last row of the picture waits for no row below it.
         let rows = if rows == self.rows_left as usize { rows } else { rows.saturating_sub(1) };
         let lit = (0..rows).flat_map(|row| self.row(row)).collect();
         if rows > 0 {

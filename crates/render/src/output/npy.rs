@@ -16,7 +16,7 @@ pub struct NpyWriter<W: Write> {
 }
 
 impl<W: Write> NpyWriter<W> {
-    /// Writes the header of an array of `size` pixels that holds these channels of the question.
+    /// Writes the header of an array that holds these channels of the question for each pixel.
     pub fn new(mut out: W, [width, height]: [u32; 2], channels: Range<usize>) -> io::Result<Self> {
         let shape = match channels.len() {
             1 => format!("({height}, {width})"),

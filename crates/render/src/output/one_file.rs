@@ -45,7 +45,7 @@ fn is_device(path: &Path) -> bool {
     !path.is_file() && !path.is_dir()
 }
 
-/// The place of a file that need not exist: its folder without links, and its name.
+/// Returns the place of a file that need not exist: its folder without links, and its name.
 fn place(path: &Path) -> PathBuf {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     match (whole.parent().and_then(|folder| folder.canonicalize().ok()), whole.file_name()) {

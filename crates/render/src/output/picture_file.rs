@@ -38,7 +38,7 @@ pub(super) fn check_depth(path: &Path) -> io::Result<()> {
     }
 }
 
-/// The longest side that a format can hold, in pixels.
+/// Returns the longest side that a format can hold, in pixels.
 fn longest_side(format: ImageFormat) -> u32 {
     match format {
         ImageFormat::Jpeg => 65_535,

@@ -20,7 +20,7 @@ const WINDOW_BYTES: usize = 1 << 15;
 const HEAD: [u8; 2] = [0x78, 0x01];
 /// An empty block that is marked as the last.
 const LAST: [u8; 2] = [0x03, 0x00];
-/// The filter before each row: none.
+/// The filter type before each row, 0 for unfiltered.
 const UNFILTERED: u8 = 0;
 
 /// The pixels of a picture, compressed as they come.
@@ -106,7 +106,7 @@ mod tests {
 
     use super::*;
 
-    /// The rows that a stream holds.
+    /// Returns the rows that a stream holds.
     fn unpacked(stream: &[u8]) -> Vec<u8> {
         let mut rows = Vec::new();
         flate2::read::ZlibDecoder::new(stream).read_to_end(&mut rows).unwrap();

@@ -74,7 +74,7 @@ pub fn named_document(name: &str) -> Result<Document, ReadError> {
     })
 }
 
-/// Reads the document in a picture that flipmap wrote, or in a scene file.
+/// Reads the document from a picture that flipmap wrote, or from a scene file.
 pub fn read_document(path: &Path) -> Result<Document, ReadError> {
     let is =
         |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));

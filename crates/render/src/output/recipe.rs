@@ -34,7 +34,7 @@ pub struct PictureRecipe<'a> {
 pub struct RenderedPicture {
     /// Counts of all passes.
     pub counts: Counts,
-    /// The result of integrating some pixels directly; `None` if the picture needs no such check.
+    /// The result of integrating some pixels directly; `None` if none were.
     pub opinion: Option<Opinion>,
     /// Time spent on it.
     pub clock: RenderClock,

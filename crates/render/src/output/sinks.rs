@@ -72,7 +72,8 @@ const PYRAMID: &str = "pyramid";
 pub struct SinkPass {
     /// Samples of each pixel.
     pub sampling: Sampling,
-    /// True if it is for the painted outputs; the others need one sample at each pixel's centre.
+    /// True if the pass is for the painted outputs; the others need one sample at each pixel's
+    /// centre.
     picture: bool,
     others: bool,
 }

@@ -12,7 +12,7 @@
 //!   └───┴───┴───┴───┘        └───┴───┴───┴───┘        └───┴───·───·───·
 //! ```
 //!
-//! Which pixels are plain follows from the whole picture, never from tiles or jobs.
+//! A pixel is plain or not because of the whole picture, regardless of tiles and jobs.
 
 use rayon::prelude::*;
 

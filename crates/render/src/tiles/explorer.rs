@@ -125,7 +125,7 @@ impl Explorer {
         }
         let is_same_view = self.target.as_ref().is_some_and(|last| last.is_same_view(target));
         let key = self.key_of(&target.physics);
-        // A physics that was passed so quickly that little of it is known cannot stand in.
+        // A physics that was replaced so quickly that little of it is known cannot stand in.
         if key != self.key && self.progress().covered {
             self.before = Some(self.key);
         }

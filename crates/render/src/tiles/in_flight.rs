@@ -1,7 +1,7 @@
 //! The one loop from tiles to samples, shared by pictures, films and the window.
 //!
-//! A [`TileSource`] hands out its tiles with what is already known of their pixels. The rest of a
-//! tile becomes one job, whose answers come back as samples in the order of the pixels.
+//! A [`TileSource`] supplies tiles, with the pixels that are already known. The rest of a tile
+//! becomes one job, whose answers come back as samples in the order of the pixels.
 //!
 //! ```text
 //! next_tile ──► known in full ──────────────────────► take

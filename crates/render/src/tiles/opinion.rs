@@ -118,13 +118,13 @@ mod tests {
         Scene { view, question, ..Scene::default() }.checked().unwrap()
     }
 
-    /// A view deep enough for neighbours to move far apart.
+    /// Returns a view deep enough for neighbours to move far apart.
     fn deep(ask: QuestionName, secs: f64) -> Scene {
         let center = ["-1.65907312822246439054652000777423381805419921875", "0.1"];
         scene(center, "1e-9", ask, secs)
     }
 
-    /// A view whose starts pass the top a little after their first moments.
+    /// Returns a view whose starts pass the top a little after their first moments.
     fn near_the_top() -> Scene {
         scene(["0.62", "-3.1365"], "1e-9", QuestionName::Flip, 20.0)
     }

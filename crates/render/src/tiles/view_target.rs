@@ -21,7 +21,7 @@ pub struct Physics {
 }
 
 impl Physics {
-    /// The physics of a scene's pixels.
+    /// Returns the physics of a scene's pixels.
     pub fn of(scene: &Scene, config: IntegratorConfig, verified: bool) -> Self {
         let Scene { build, mut question, ref plane, .. } = *scene;
         if question.ask.is_time() {

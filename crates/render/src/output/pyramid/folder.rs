@@ -112,7 +112,7 @@ fn check_replaceable(path: &Path) -> io::Result<()> {
     Err(io::Error::other(text))
 }
 
-/// Refuses a folder where another disk is mounted: nothing beside it can be renamed onto it.
+/// Refuses a folder where another disk is mounted: a folder beside it cannot be renamed onto it.
 fn check_same_disk(path: &Path, folder: &Path) -> io::Result<()> {
     #[cfg(unix)]
     if path.exists() {

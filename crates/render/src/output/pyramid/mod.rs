@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use std::io::BufReader;
 
-    /// A picture in which no two pixels are alike, and no two tiles.
+    /// Returns a picture in which no two pixels and no two tiles are equal.
     fn picture([width, height]: [u32; 2]) -> Vec<u8> {
         let pixel = |x: u32, y: u32| [x % 251, y % 241, x / 251 + 16 * (y / 241)];
         let rows = (0..height).flat_map(|y| (0..width).flat_map(move |x| pixel(x, y)));
@@ -180,7 +180,7 @@ mod tests {
         (size, rgb)
     }
 
-    /// A level assembled from its tiles.
+    /// Returns a level assembled from its tiles.
     fn level(folder: &Path, level: usize, [width, height]: [u32; 2]) -> Vec<u8> {
         let [width, height] = [width, height].map(|side| side as usize);
         let mut whole = vec![0; width * height * RGB];

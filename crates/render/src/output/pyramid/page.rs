@@ -1,4 +1,4 @@
-//! The files in a pyramid's folder beside its tiles.
+//! The files that accompany the tiles in a pyramid's folder.
 
 use std::io;
 
