@@ -79,8 +79,8 @@ pub fn pass_work(
     Ok(work.sparing(plain))
 }
 
-/// Runs one pass and passes its samples to `sinks`, rows from the top. `keep_going` takes the
-/// counts so far, at least every few hundredths of a second, and returns false to stop.
+/// Runs one pass and feeds its samples to `sinks`, rows from the top. `keep_going` takes the counts
+/// so far, at least every few hundredths of a second, and returns false to stop.
 pub fn render_pass(
     work: &mut Work,
     engine: &mut dyn Engine,
