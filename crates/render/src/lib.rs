@@ -2,8 +2,8 @@
 //!
 //! * [`tiles`] chooses the starts to compute next; its [`Renderer`](tiles::Renderer) turns a scene
 //!   into [`Samples`](tiles::Samples), its [`Explorer`](tiles::explorer::Explorer) serves a window;
-//! * [`output`] writes PNG, EXR, NumPy and tiled pictures, files that are either complete or absent;
-//!   its [`PictureRecipe`](output::PictureRecipe) is the one way in which a picture is made, its
+//! * [`output`] writes PNG, EXR, NumPy and tiled pictures, each either complete or absent; its
+//!   [`PictureRecipe`](output::PictureRecipe) is the only way in which a picture is made, its
 //!   [`Trace`](output::Trace) follows a single pendulum;
 //! * [`film`] paints the frames between keys and feeds an encoder;
 //! * [`farm`] splits stills and films into shards, and joins them.

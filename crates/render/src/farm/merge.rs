@@ -1,4 +1,4 @@
-//! Joining parts into what was planned: a still's files, or a film's frames.
+//! Joins parts into the planned output: a still's files, or a film's frames.
 
 use std::io;
 use std::path::Path;
@@ -33,7 +33,7 @@ pub enum MergeError {
     /// A picture that cannot be painted with these settings.
     #[error(transparent)]
     Picture(#[from] SceneError),
-    /// An error of the file that holds the colours between parts and frames.
+    /// An error of the temporary file that holds the colours of a film's patches.
     #[error("cannot keep colours beside the samples, which takes nearly as much room again")]
     Colours(#[from] io::Error),
     /// A request to stop.
@@ -86,7 +86,8 @@ pub fn still(
     Ok(sinks.finish()?)
 }
 
-/// Some samples from a row on: those of the mirror image where the row itself is not computed.
+/// Returns some rows of samples from `row` on; a row that is not computed is read from its mirror
+/// image.
 fn some_rows(pass: &StillPass, parts: &mut Parts, row: u32) -> Result<Samples, PartError> {
     if row < pass.rows {
         return parts.rows(&pass.of, row, ROWS.min(pass.rows - row));
@@ -121,7 +122,7 @@ impl FilmSink {
         })
     }
 
-    /// Returns true if a frame is there, whole and as it should be.
+    /// Returns true if a frame is there, complete and up to date; always false for a single file.
     pub fn has(&mut self, frame: u32, shot: &Shot) -> bool {
         match self {
             FilmSink::Frames(frames) => frames.has(frame, shot),
@@ -146,8 +147,8 @@ impl FilmSink {
     }
 }
 
-/// Paints a film whose frames are stills from their parts. `keep_going` takes the number of frames
-/// done and returns false to stop.
+/// Paints a film from its parts, with a still for each frame. `keep_going` takes the number of
+/// frames done and returns false to stop.
 pub fn frames(
     film: &Film,
     frames: &[FrameTask],
@@ -217,7 +218,8 @@ pub fn film(
     sink.finish()
 }
 
-/// The legend of a film of flips, if its picture has one; refuses frames with too little room.
+/// Returns the legend of a film of flips, if its picture has one; refuses frames with too little
+/// room.
 pub fn legend(film: &Film, picture: &PictureTable) -> Result<Option<Legend>, SceneError> {
     if !picture.legend {
         return Ok(None);
@@ -228,7 +230,7 @@ pub fn legend(film: &Film, picture: &PictureTable) -> Result<Option<Legend>, Sce
     Legend::new(&colours, scene.question.ask, film.size).map(Some)
 }
 
-/// The single colour scale of a film.
+/// Returns the single colour scale of a film.
 pub fn tones(film: &Film, picture: &PictureTable) -> Result<Tones, SceneError> {
     Tones::new(picture, film.keys[0].scene.pendulum.unit_secs(), film.budget_secs())
 }
@@ -246,7 +248,7 @@ fn alike(film: &Film, group: &FrameGroupTask) -> Vec<EqualFrames> {
     all
 }
 
-/// The colours of a group's patches, in a file in `folder`.
+/// Builds the mip of a group's patches, in a file in `folder`.
 fn coloured(
     group: &FrameGroupTask,
     parts: &mut Parts,
@@ -265,12 +267,12 @@ fn coloured(
     Mip::build(&group.group.patches, colours.is_lit(), folder, &mut looks)
 }
 
-/// Stride between the samples of a patch that the spread of colours uses: every second row, one
+/// Stride between the samples of a patch that the spread of colours uses: every fourth row, one
 /// column further each time.
 const LOOKED_AT: usize = 65;
 
-/// The times over which a deep film's colours are spread: all its depths count alike, and the times
-/// are the same in every frame. Empty if nothing flips.
+/// Returns the times over which a deep film's colours are spread: all its depths count alike, and
+/// the times are the same in every frame. Empty if nothing flips.
 pub fn spread(task: &Task, parts: &mut Parts) -> Result<Vec<f64>, PartError> {
     let TaskKind::Film(_, groups) = &task.work else { return Ok(Vec::new()) };
     let mut times = Vec::new();

@@ -1,4 +1,4 @@
-//! Parts: files of samples, everything that has been computed of a still or a film.
+//! Parts: files that hold all samples computed so far of a still or a film.
 //!
 //! Next to a plan `map.toml` lies a folder `map.parts`, into which any number of processes write:
 //!
@@ -9,17 +9,19 @@
 //! ```
 //!
 //! `of` is the SHA-256 of everything that decides the samples: scene, size, integrator config,
-//! checking, program version. The name has eight of its digits, the body all of them. Names only
-//! tell files apart; [`Parts::scan`] reads what there is from the bodies. So it does not matter who
-//! computed a part, or in which order; parts may overlap, and two that hold the same are equal.
+//! checking, program version. The name has its first eight digits, the body all of them. Names only
+//! distinguish files; [`Parts::scan`] reads the contents from the bodies. So it does not matter who
+//! computed a part, or in which order; parts may overlap, and two that hold the same samples are
+//! equal.
 //!
-//! - A part is valid if its first line, checksum and encoding are right, and if it has as many samples
-//!   as it says, of the width and channels that the plan wants of this digest. Any other file with the
-//!   name of a part of this plan is damaged: its samples count as missing, and it is removed before they
-//!   are computed again. One that does not even begin as a part was put there by others, and is refused.
-//!   Files with other names are left alone.
-//! - A part is written under a temporary name and then renamed ([`SafeFile`]), so it is whole or
-//!   not there. A process that is killed leaves at most a temporary file, which the scan ignores.
+//! - A part is valid if its first line, checksum and encoding are right, and if it has as many
+//!   samples as it states, with the width and channels that the plan requires for its digest. Any
+//!   other file with the name of a part of this plan is damaged: its samples count as missing, and
+//!   it is removed before they are computed again. A file that does not even begin as a part is
+//!   foreign, and is refused. Files with other names are left alone.
+//! - A part is written under a temporary name and then renamed ([`SafeFile`]), so it is either
+//!   complete or absent. A process that is killed leaves at most a temporary file, which the scan
+//!   ignores.
 //! - Writing does not wait for the disk (no fsync). A part that lost bytes in a power failure, or
 //!   was altered later, is detected by its checksum.
 
@@ -56,7 +58,7 @@ pub enum PartError {
         /// The cause.
         source: io::Error,
     },
-    /// A file that is not as it was written.
+    /// A file that was damaged after it was written.
     #[error("{0} is cut short or altered ({1}): run its shard again, which computes it anew")]
     Damaged(PathBuf, &'static str),
     /// A file under the name of a part that was never one.
@@ -84,7 +86,7 @@ struct Part {
     samples: Samples,
 }
 
-/// The form in which a plan wants the samples of one digest.
+/// The form that a plan requires of the samples with one digest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartForm {
     /// Rows of a still.
@@ -104,7 +106,8 @@ pub enum PartForm {
 pub type PartForms = HashMap<String, PartForm>;
 
 impl Part {
-    /// Refuses samples that are not as many as the part says, or not of the form that a plan wants.
+    /// Refuses samples that are not as many as the part states, or not of the form that the plan
+    /// requires.
     fn check(&self, forms: &PartForms) -> Result<(), &'static str> {
         let Some(form) = forms.get(&self.of) else { return Ok(()) };
         let (count, channels, fits) = match (&self.holds, *form) {
@@ -149,7 +152,7 @@ impl PartWriter {
         self.write(&name, PartContents::Rows { width, first, count }, samples)
     }
 
-    /// Writes a part of patches, whose samples follow one another.
+    /// Writes a part of patches; `samples` holds those of one patch after another.
     pub(crate) fn patches(&self, cells: &[Cell], samples: Samples) -> Result<(), PartError> {
         let places: Vec<_> =
             cells.iter().map(|cell| (cell.level, cell.x.limbs(), cell.y.limbs())).collect();
@@ -184,7 +187,7 @@ pub struct Parts {
     rows: BTreeMap<(String, u32), (u32, usize)>,
     /// Index of the file and of the patch within it, by digest and cell.
     patches: HashMap<String, HashMap<Cell, (usize, usize)>>,
-    /// Files that are not as they were written, each with the fault.
+    /// Damaged files, each with its fault.
     damaged: Vec<(PathBuf, &'static str)>,
     forms: PartForms,
     at_hand: VecDeque<(usize, Arc<Part>)>,
@@ -197,8 +200,8 @@ impl std::fmt::Debug for Part {
 }
 
 impl Parts {
-    /// Reads every part of these forms in a folder from the first byte to the last; a missing folder
-    /// is empty. Refuses files of others under the names of such parts.
+    /// Reads every part of these forms in a folder from the first byte to the last; a missing
+    /// folder counts as empty. Refuses foreign files under the names of such parts.
     pub fn scan(folder: &Path, forms: PartForms) -> Result<Self, PartError> {
         let mut parts = Parts { forms, ..Parts::default() };
         let entries = match fs::read_dir(folder) {
@@ -247,7 +250,7 @@ impl Parts {
         }
     }
 
-    /// Files that are not as they were written, each with the fault.
+    /// Returns the damaged files, each with its fault.
     pub fn damaged(&self) -> &[(PathBuf, &'static str)] {
         &self.damaged
     }
@@ -261,7 +264,7 @@ impl Parts {
         })
     }
 
-    /// The rows among `rows` that no part holds.
+    /// Returns those of `rows` that no part holds.
     pub(crate) fn missing_rows(&self, of: &str, rows: Range<u32>) -> Vec<Range<u32>> {
         let mut missing = Vec::new();
         let mut next = rows.start;
@@ -285,7 +288,7 @@ impl Parts {
         self.rows.range(range)
     }
 
-    /// The samples of some rows that one part holds, from `row` on; at most `most` rows.
+    /// Returns the samples of at most `most` rows from `row` on, all from one part.
     pub(crate) fn rows(&mut self, of: &str, row: u32, most: u32) -> Result<Samples, PartError> {
         let holds = |(key, (count, file)): (&(String, u32), &(u32, usize))| {
             (key.1..key.1 + count).contains(&row).then_some((key.1, *count, *file))
@@ -304,7 +307,7 @@ impl Parts {
         self.patches.get(of).is_some_and(|known| known.contains_key(cell))
     }
 
-    /// The samples of a patch.
+    /// Returns the samples of a patch.
     pub(crate) fn patch(&mut self, of: &str, cell: &Cell) -> Result<Samples, PartError> {
         let known = self.patches.get(of).and_then(|known| known.get(cell));
         let (file, place) = *known.ok_or(PartError::Gone)?;
@@ -325,10 +328,10 @@ impl Parts {
     }
 }
 
-/// Largest size of a part in bytes, far above that of any that is written.
+/// Largest size of a part in bytes, far larger than any that is written.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// Reads a part; none if it is whole and of another plan.
+/// Reads a part; returns `None` if it is valid but belongs to another plan.
 fn read(path: &Path, forms: &PartForms) -> Result<Option<Part>, PartError> {
     let bytes = read_plain(path, MAX_BYTES).map_err(failed("read", path))?;
     let damaged = |why| PartError::Damaged(path.to_path_buf(), why);
@@ -355,8 +358,8 @@ fn read(path: &Path, forms: &PartForms) -> Result<Option<Part>, PartError> {
 /// Largest number of bytes of a part's first line that damage may have changed.
 const MAX_CHANGED_BYTES: usize = 3;
 
-/// Returns true if a file that does not begin as a part may have done so before it was damaged: it is
-/// empty or begins with zeros, as after a power failure, or with nearly the same line.
+/// Returns true if a file that does not begin as a part may have done so before it was damaged: it
+/// is empty, begins with zeros, as after a power failure, or begins with nearly the right line.
 fn may_be_lost(bytes: &[u8]) -> bool {
     let first = &bytes[..bytes.len().min(MAGIC.len())];
     let changed = first.iter().zip(MAGIC).filter(|(found, byte)| found != byte).count();

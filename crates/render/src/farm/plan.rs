@@ -13,7 +13,7 @@ use flipmap_scene::{Document, DocumentError, RunTable, one_line};
 
 /// The plan format that this program reads and writes.
 const FORMAT: u32 = 1;
-/// Version of this program; another one may compute other last digits.
+/// Version of this program; another one may compute different last digits.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// A plan as it stands in its file.
@@ -28,7 +28,7 @@ pub struct Plan {
     pub shards: u32,
     /// True if every sample is checked.
     pub verify: bool,
-    /// True if arrays of numbers are wanted beside a picture with several samples per pixel.
+    /// True if arrays of numbers are wanted as well as a picture with several samples per pixel.
     pub numbers: bool,
     /// The kind of engine.
     pub engine: EngineKind,
@@ -73,7 +73,8 @@ pub enum PlanError {
 }
 
 impl Plan {
-    /// A plan of `shards` shards, with the engine and configuration that were chosen for `what`.
+    /// Creates a plan of `shards` shards, with the engine and configuration that were chosen for
+    /// `what`.
     pub fn new(
         what: PlannedOutput,
         shards: u32,
@@ -118,8 +119,8 @@ impl Plan {
         plan.checked()
     }
 
-    /// Returns true for the text of a plan as a film keeps it with its samples: of a film, in one shard.
-    /// One of another version may have keys of its own.
+    /// Returns true for the text of a plan that a film keeps with its samples: a plan of a film in
+    /// one shard. It may come from another version and have keys of its own.
     pub fn is_kept_by_film(text: &str) -> bool {
         let plan = toml::from_str::<toml::Table>(text).unwrap_or_default();
         let shards = plan.get("shards").and_then(toml::Value::as_integer);
@@ -153,12 +154,12 @@ impl Plan {
         Ok(self)
     }
 
-    /// The text of the plan's file.
+    /// Returns the text of the plan's file.
     pub fn text(&self) -> String {
         toml::to_string(self).expect("plain tables are TOML")
     }
 
-    /// The integrator config of the plan.
+    /// Returns the integrator config of the plan.
     pub(crate) fn config(&self) -> Result<IntegratorConfig, PlanError> {
         let spec = RunSpec::resolve(self.config.clone());
         match spec.map_err(|why| PlanError::Inside(why.to_string()))?.setting {
@@ -167,7 +168,7 @@ impl Plan {
         }
     }
 
-    /// The output that is wanted.
+    /// Returns the output that is wanted.
     pub(crate) fn what(&self) -> PlannedOutput {
         match (&self.still, &self.film) {
             (_, Some(film)) => PlannedOutput::Film(film.clone()),
@@ -175,7 +176,7 @@ impl Plan {
         }
     }
 
-    /// Digest of the plan without its own digest.
+    /// Returns the digest of the plan without its own digest.
     fn digest(&self) -> String {
         sha256(Plan { sha256: String::new(), ..self.clone() }.text().as_bytes())
     }

@@ -1,4 +1,4 @@
-//! Computing what is missing, and keeping it as it comes.
+//! Computes what is missing, and saves it as it comes.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -31,13 +31,14 @@ pub enum RunError {
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Number of samples at which a part is written.
 const MOST: usize = 1 << 18;
-/// Least time after which finished samples are written.
+/// Shortest interval between writes of finished samples.
 const MIN_WAIT: Duration = Duration::from_millis(500);
-/// Divisor of the elapsed time for a longer such time: long runs have fewer and larger parts.
+/// Divisor of the elapsed time that gives the interval of long runs, which write fewer and larger
+/// parts.
 const WAIT_SHARE: u32 = 60;
 
-/// Computes pieces of a task. `keep_going` takes the counts so far and returns false to stop; what is
-/// finished is kept then too.
+/// Computes pieces of a task. `keep_going` takes the counts so far and returns false to stop;
+/// finished samples are saved even then.
 pub fn run(
     task: &Task,
     pieces: &[WorkPiece],
@@ -75,11 +76,11 @@ trait PieceInProgress {
     fn work(&mut self, engine: &mut dyn Engine, deadline: Instant) -> Result<(), EngineError>;
     /// Returns true if everything is computed.
     fn is_done(&self) -> bool;
-    /// Counts of what has been done.
+    /// Returns the counts of the work so far.
     fn counts(&self) -> Counts;
-    /// Number of samples that are computed but not yet kept.
+    /// Returns the number of samples that are computed but not saved yet.
     fn loose(&self) -> usize;
-    /// Keeps those samples, as a part.
+    /// Saves those samples as a part.
     fn keep(&mut self) -> Result<(), PartError>;
 }
 
@@ -116,7 +117,7 @@ fn open<'a>(
     })
 }
 
-/// Computes a piece to its end or a stop, and keeps what is finished now and then.
+/// Computes a piece until it is done or stopped, and saves finished samples now and then.
 fn drive(
     piece: &mut dyn PieceInProgress,
     engine: &mut dyn Engine,
@@ -144,7 +145,7 @@ fn drive(
     }
 }
 
-/// Keeps rows from `first` on, in parts that are not too large.
+/// Saves rows from `first` on, in parts of limited size.
 fn keep_rows(
     writer: &PartWriter,
     width: u32,
@@ -158,7 +159,7 @@ fn keep_rows(
     })
 }
 
-/// Computes the same rows of several frames, later and later ones, and keeps each as it comes.
+/// Computes the same rows of several frames in order of time, and saves each frame's as they come.
 fn motion(
     task: &Task,
     frames: &[&FrameTask],
@@ -190,7 +191,7 @@ fn motion(
 struct PendingRows {
     writer: PartWriter,
     width: u32,
-    /// The first row that is not kept yet.
+    /// The first row that is not saved yet.
     first: u32,
     order: RowOrder,
     work: Work,

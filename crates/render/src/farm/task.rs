@@ -15,9 +15,9 @@ use flipmap_scene::lattice::Cell;
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Document, PendulumSpec, QuestionSettings, Sampling, Scene, View};
 
-/// Largest number of patches in a hand, which is dealt to one shard.
+/// Largest number of patches in a hand; each hand is dealt to one shard.
 const DEALT: usize = 256;
-/// Number of hands for every shard; hands are smaller where they would otherwise be too few.
+/// Number of hands for every shard; hands are made smaller if there would be fewer.
 const HANDS: usize = 8;
 
 /// A plan with everything that follows from it.
@@ -44,11 +44,11 @@ pub enum TaskKind {
 
 /// The rows of a still at one number of samples per pixel.
 pub struct StillPass {
-    /// Place of the samples in their pixels.
+    /// Places of the samples in their pixels.
     pub sampling: Sampling,
     /// Width and height in samples.
     pub size: [u32; 2],
-    /// Number of rows to compute; the others may be mirror images of some.
+    /// Number of rows to compute; any others are mirror images of these.
     pub rows: u32,
     /// Digest of everything that decides its samples.
     pub of: String,
@@ -66,9 +66,9 @@ pub struct FrameTask {
 pub struct FrameGroupTask {
     /// The frames and patches of the group.
     pub group: FrameGroup,
-    /// Patches to compute, in the order of computation; shared like those of the groups.
+    /// Patches to compute, in this order; groups with equal views share them.
     pub cells: Arc<[Cell]>,
-    /// Digests of everything that decides its samples, one for each of the group's scenes.
+    /// Digests of everything that decides the samples, one for each of the group's scenes.
     of: Vec<String>,
 }
 
@@ -84,11 +84,11 @@ pub enum WorkPiece {
 }
 
 impl Task {
-    /// The task of a plan whose file is `path`; the parts lie beside that file.
+    /// Creates the task of a plan whose file is `path`; the parts lie beside that file.
     pub fn new(plan: Plan, path: &Path) -> Result<Self, PlanError> {
         let config = plan.config()?;
         let IntegratorConfig { method, precision } = config;
-        // Another version may compute other last digits. `Recipe` is what the configuration was
+        // Another version may compute different last digits. `Recipe` is what the configuration was
         // called when the first parts were written.
         let config_text = format!("Recipe {{ method: {method:?}, precision: {precision:?} }}");
         let how = format!("{config_text} {} {}", plan.verify, env!("CARGO_PKG_VERSION"));
@@ -109,7 +109,7 @@ impl Task {
         Ok(Task { plan, config, folder: path.with_extension("parts"), work })
     }
 
-    /// Number of samples to be computed in all.
+    /// Returns the number of samples to be computed in all.
     pub fn samples(&self) -> u64 {
         match &self.work {
             TaskKind::Still(_, passes) => passes.iter().map(StillPass::samples).sum(),
@@ -120,7 +120,7 @@ impl Task {
         }
     }
 
-    /// The forms of the samples, by digest.
+    /// Returns the forms of the samples, by digest.
     pub fn forms(&self) -> PartForms {
         match &self.work {
             TaskKind::Still(document, passes) => {
@@ -137,7 +137,7 @@ impl Task {
         }
     }
 
-    /// The pieces that are missing of a shard, counted from 1.
+    /// Returns the missing pieces of a shard; shards are counted from 1.
     pub fn missing(&self, shard: u32, parts: &Parts) -> Vec<WorkPiece> {
         match &self.work {
             TaskKind::Still(_, passes) => (0..)
@@ -153,7 +153,7 @@ impl Task {
         }
     }
 
-    /// The scene and the pass of which a piece is rows; `None` for other pieces.
+    /// Returns the scene and the pass of a piece that consists of rows; `None` for other pieces.
     pub fn still(&self, piece: &WorkPiece) -> Option<(Scene, &StillPass)> {
         match (piece, &self.work) {
             (WorkPiece::Rows(pass, _), TaskKind::Still(document, passes)) => {
@@ -167,21 +167,21 @@ impl Task {
         }
     }
 
-    /// The shards of which something is missing.
+    /// Returns the shards of which something is missing.
     pub fn missing_shards(&self, parts: &Parts) -> Vec<u32> {
         let shards = 1..=self.plan.shards;
         shards.filter(|shard| !self.missing(*shard, parts).is_empty()).collect()
     }
 
-    /// The rows of a shard, which are consecutive.
+    /// Returns the rows of a shard, which are consecutive.
     fn rows_of(&self, shard: u32, rows: u32) -> Range<u32> {
         let at =
             |shard: u32| (u64::from(rows) * u64::from(shard) / u64::from(self.plan.shards)) as u32;
         at(shard - 1)..at(shard)
     }
 
-    /// The missing rows of a shard, which are the same in each frame: a shard has its pendulums for the
-    /// whole film.
+    /// Returns the missing rows of a shard. A shard has the same rows in each frame, so it follows
+    /// its pendulums through the whole film.
     fn missing_frames(
         &self,
         film: &Film,
@@ -206,7 +206,8 @@ impl Task {
         pieces
     }
 
-    /// The missing patches of a shard. Patches are dealt like cards, since deep ones take longer.
+    /// Returns the missing patches of a shard. Patches are dealt like cards, since deep ones take
+    /// longer.
     fn missing_patches(
         &self,
         groups: &[FrameGroupTask],
@@ -236,7 +237,7 @@ impl Task {
 }
 
 impl FrameGroupTask {
-    /// The digest of everything that decides the samples of one of its patches.
+    /// Returns the digest of everything that decides the samples of one of the group's patches.
     pub(crate) fn of(&self, cell: &Cell) -> &str {
         &self.of[self.group.scene_index(cell)]
     }
@@ -256,7 +257,7 @@ impl StillPass {
         u64::from(self.rows) * u64::from(self.size[0])
     }
 
-    /// The digest of the pass, and the form of the samples that answer a question.
+    /// Returns the digest of the pass, and the form of the samples that answer a question.
     fn form(&self, ask: QuestionName) -> (String, PartForm) {
         let channels = ask.kind().channels.len();
         (self.of.clone(), PartForm::Rows { width: self.size[0], rows: self.rows, channels })
@@ -281,20 +282,20 @@ impl WorkPiece {
     }
 }
 
-/// The picture's pass and, if necessary, one of the numbers at the pixels' middles.
+/// Returns the picture's pass and, if necessary, a pass over the pixels' middles.
 fn passes(document: &Document, numbers: bool, how: &str) -> Vec<StillPass> {
     let scene = document.scene();
     let size = document.run.size.unwrap_or([1, 1]);
     let samples = document.picture.samples;
     let mut all = vec![samples];
-    // Middles tell which corners have a share in the picture.
+    // The middles decide which corners contribute to the picture.
     if samples == Sampling::Corners || numbers && samples != Sampling::SINGLE {
         all.push(Sampling::SINGLE);
     }
     all.into_iter().map(|sampling| pass(&scene, size, sampling, how)).collect()
 }
 
-/// The pass of a picture of `size` pixels over these samples of them.
+/// Returns the pass of a picture of `size` pixels with this sampling.
 fn pass(scene: &Scene, size: [u32; 2], sampling: Sampling, how: &str) -> StillPass {
     let size = sampling.grid_size(size);
     let rows = if scene.is_symmetric() { size[1].div_ceil(2) } else { size[1] };
@@ -303,7 +304,7 @@ fn pass(scene: &Scene, size: [u32; 2], sampling: Sampling, how: &str) -> StillPa
     StillPass { sampling, size, rows, of }
 }
 
-/// The work for the frames of a film that are stills.
+/// Returns the work for a film whose frames are stills.
 fn frames(film: &Film, how: &str) -> Vec<FrameTask> {
     let sampling = Sampling::Square(film.keys[0].scene.picture.samples.along());
     let frame = |frame| {
@@ -314,7 +315,7 @@ fn frames(film: &Film, how: &str) -> Vec<FrameTask> {
     (0..film.frames).map(frame).collect()
 }
 
-/// The work for the groups of a film.
+/// Returns the work for the groups of a film.
 fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
     let mut tasks: Vec<FrameGroupTask> = Vec::new();
     for group in groups {
@@ -337,8 +338,8 @@ fn tasks(groups: Vec<FrameGroup>, how: &str) -> Vec<FrameGroupTask> {
     tasks
 }
 
-/// All of a scene that decides its samples. Settings added after the first release appear only where
-/// they differ from their defaults, so that older parts are still found.
+/// Returns the text of everything in a scene that decides its samples. Settings added after the
+/// first release appear only if they differ from their defaults, so older parts are still found.
 fn what_of(scene: &Scene) -> String {
     let Scene { build, question, view, plane } = scene;
     let PendulumSpec { kind, masses, lengths, gravity, friction } = build;

@@ -1,4 +1,4 @@
-//! The samples of a patch as linear light.
+//! Converts the samples of a patch to linear light.
 
 use super::WAITING;
 use super::mip::{LOOKS, Light, Looks};
@@ -14,12 +14,13 @@ pub(super) const HIGHEST: f64 = 65534.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FlipWindow {
     secs: f64,
-    /// True if the others are still waiting for theirs.
+    /// True if starts without a shown flip are painted as waiting.
     waits: bool,
 }
 
 impl FlipWindow {
-    /// The flips that a shot of a film shows: all that it can, or those within its clock.
+    /// Returns the flips that a shot shows: those up to its clock or, without a clock, all up to
+    /// [`Film::shown_secs`].
     pub(crate) fn of(film: &Film, shot: &Shot) -> Self {
         match shot.clock_secs {
             Some(secs) => FlipWindow { secs, waits: true },
@@ -32,7 +33,7 @@ impl FlipWindow {
         outcome.status == Status::Answered && outcome.time <= self.secs
     }
 
-    /// The same flips as far as they come within a budget, in s.
+    /// Limits the flips to those within a budget in s.
     pub(super) fn within(self, secs: f64) -> Self {
         FlipWindow { secs: self.secs.min(secs), ..self }
     }
@@ -47,7 +48,7 @@ pub struct Colours {
 }
 
 impl Colours {
-    /// The colours of a film with these tones; with heights if it is lit from the side.
+    /// Creates the colours of a film from its tones, with heights if it is lit from the side.
     pub(crate) fn new(tones: Tones, is_lit: bool) -> Self {
         Colours { tones, light: light_table(), is_lit }
     }
@@ -57,7 +58,7 @@ impl Colours {
         self.is_lit
     }
 
-    /// The looks of a patch with these samples, given the flips that each of them shows.
+    /// Returns the looks of a patch, given its samples and the flips that each look shows.
     pub(crate) fn looks(&self, samples: &Samples, shown: &[FlipWindow; LOOKS]) -> Looks {
         let mut looks: Vec<Light> = Vec::with_capacity(LOOKS);
         for (k, window) in shown.iter().enumerate() {
@@ -73,7 +74,7 @@ impl Colours {
         looks.try_into().expect("as many looks")
     }
 
-    /// The light of a patch's samples.
+    /// Returns the light of a patch's samples, given the flips that are shown.
     fn light(&self, samples: &Samples, shown: &FlipWindow) -> Light {
         let of = |outcome: Outcome| {
             let rgb = self.colour(&outcome, shown);
@@ -83,7 +84,7 @@ impl Colours {
         samples.iter().map(of).collect()
     }
 
-    /// The height of a flip that is shown, 1 to 65535; 0 without one.
+    /// Returns the height of a flip that is shown, 1 to 65535; 0 without one.
     fn height(&self, outcome: &Outcome, shown: &FlipWindow) -> u16 {
         if !shown.shows(outcome) {
             return 0;

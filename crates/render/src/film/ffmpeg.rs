@@ -1,7 +1,8 @@
 //! Films as one file, encoded by ffmpeg: a child process that is fed raw frames.
 //!
-//! It writes beside the destination, and the film takes its place when it is complete. Its flags
-//! keep dates, versions and thread counts out of the file, so that equal frames are equal files.
+//! ffmpeg writes to a temporary file beside the destination, which is renamed when the film is
+//! complete. Its flags keep dates, versions and thread counts out of the file, so equal frames give
+//! equal files.
 
 use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Write};
@@ -28,7 +29,7 @@ pub enum Codec {
 /// Reasons why there is no film.
 #[derive(Debug, thiserror::Error)]
 pub enum FfmpegError {
-    /// An ffmpeg that cannot be run.
+    /// The program ffmpeg cannot be run.
     #[error(
         "cannot run ffmpeg ({0}); on Debian or Ubuntu: apt-get install ffmpeg, or name a folder \
          for numbered pictures, which need nothing"
@@ -49,7 +50,7 @@ pub enum FfmpegError {
     /// A failure of ffmpeg, in its own words.
     #[error("ffmpeg failed: {0}")]
     Failed(String),
-    /// A file that could not be put in its place.
+    /// A file that could not be created or renamed.
     #[error("cannot write {path}")]
     File {
         /// Path of the film.
@@ -60,7 +61,7 @@ pub enum FfmpegError {
 }
 
 impl Codec {
-    /// The codec for the extension of a film's name.
+    /// Returns the codec for the extension of a film's name.
     pub fn of(path: &Path) -> Option<Codec> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
@@ -116,7 +117,7 @@ impl Codec {
         }
     }
 
-    /// Refuses, before anything is computed, what would fail at the end.
+    /// Refuses a film that ffmpeg could not encode, before anything is computed.
     pub fn check(self, size: [u32; 2]) -> Result<(), FfmpegError> {
         if size.contains(&1) {
             return Err(FfmpegError::Thin(size));
@@ -135,7 +136,8 @@ impl Codec {
     }
 }
 
-/// The arguments with which ffmpeg writes `film` to `to`, reading frames from standard input.
+/// Returns the arguments with which ffmpeg writes `film` to `to`, reading frames from standard
+/// input.
 pub fn arguments(codec: Codec, film: &Film, to: &Path) -> Vec<OsString> {
     let [width, height] = film.size;
     let text = format!(
@@ -150,7 +152,7 @@ pub fn arguments(codec: Codec, film: &Film, to: &Path) -> Vec<OsString> {
     words.chain([to.as_os_str().to_owned()]).collect()
 }
 
-/// A film being encoded; dropped unfinished, it leaves nothing.
+/// A film being encoded; dropping it unfinished leaves no file.
 pub struct Encoder {
     child: Child,
     errors: Option<JoinHandle<Vec<String>>>,
@@ -198,7 +200,7 @@ impl Encoder {
         Err(self.failure())
     }
 
-    /// Waits until ffmpeg is done, and puts the film in its place.
+    /// Waits until ffmpeg is done, and renames the film to its destination.
     pub(crate) fn finish(mut self) -> Result<(), FfmpegError> {
         drop(self.child.stdin.take());
         let status = self.child.wait();

@@ -1,9 +1,10 @@
-//! Frames as numbered pictures: each a PNG that carries its scene, with a JSON file beside it, and
-//! a manifest once all are there.
+//! Frames as numbered pictures. Each is a PNG that carries its scene, with a JSON file beside it; a
+//! manifest follows once all are there.
 //!
-//! A frame's JSON file is written first, so a numbered picture without one was written by others, as
-//! was one that carries no scene: such a folder is refused before anything is computed. So is one in
-//! which a frame is a link, whose target is not the film's, or is write-protected.
+//! Each frame's JSON file is written before its picture. A numbered picture without one, or without
+//! a scene, therefore comes from another program, and a folder that holds such a picture is refused
+//! before anything is computed. So is a folder in which a frame is write-protected or a link, since
+//! a link's target is not the film's.
 
 use std::fs;
 use std::io::{self, BufReader};
@@ -54,7 +55,7 @@ struct Manifest {
     pictures: Vec<Sidecar>,
 }
 
-/// Largest size of a picture's file in bytes: that of the largest frame, not compressed.
+/// Largest size of a picture's file in bytes: that of the largest frame, uncompressed.
 const MAX_PICTURE_BYTES: u64 = 2 << 30;
 /// Name of the manifest's file.
 const MANIFEST: &str = "manifest.json";
@@ -87,14 +88,14 @@ impl Frames {
         })
     }
 
-    /// Returns true for the name of a frame or of the JSON file beside it.
+    /// Returns true for the name of a frame or of its JSON file.
     pub fn are_named(name: &str) -> bool {
         let stem = name.strip_suffix(".png").or_else(|| name.strip_suffix(".json"));
         stem.is_some_and(|stem| stem.len() >= 6 && stem.bytes().all(|byte| byte.is_ascii_digit()))
     }
 
-    /// Creates a folder if necessary. Refuses one that cannot be written, and one with files of
-    /// others or write-protected files under the names of frames or of the manifest.
+    /// Creates a folder if necessary. Refuses a folder that cannot be written to, and one in which
+    /// a file with the name of a frame or of the manifest is foreign or write-protected.
     pub fn check(folder: &Path) -> io::Result<()> {
         fs::create_dir_all(folder)?;
         tempfile::tempfile_in(folder)?;
@@ -108,7 +109,8 @@ impl Frames {
         Ok(())
     }
 
-    /// Returns true if a frame is there, whole and as it should be.
+    /// Returns true if a frame's files are there, complete and up to date, and then counts it as
+    /// done.
     pub(crate) fn has(&mut self, frame: u32, shot: &Shot) -> bool {
         let [png, json] = self.paths(frame);
         let Some(beside) = Sidecar::read(&json) else { return false };
@@ -178,13 +180,14 @@ impl Frames {
 }
 
 impl Sidecar {
-    /// The contents of a frame's JSON file; none if it is no such file.
+    /// Reads a frame's JSON file; returns `None` if it is not one.
     fn read(json: &Path) -> Option<Sidecar> {
         serde_json::from_str(&read_text(json).ok()?).ok()
     }
 }
 
-/// The reason why a file that has the name of a frame or of the manifest cannot be replaced.
+/// Returns the reason why a file with the name of a frame or of the manifest cannot be replaced;
+/// `None` if it can, or if it has another name.
 fn objection(path: &Path) -> Option<&'static str> {
     let name = path.file_name()?.to_str()?;
     let is_ours = match name {
@@ -201,12 +204,12 @@ fn objection(path: &Path) -> Option<&'static str> {
     protected.then_some("which is write-protected: remove it, or name another folder")
 }
 
-/// Returns true if a file with the name of the manifest is one.
+/// Returns true if a file is a manifest.
 fn is_manifest(path: &Path) -> bool {
     read_text(path).is_ok_and(|text| serde_json::from_str::<Manifest>(&text).is_ok())
 }
 
-/// Returns true if a file with the name of a frame, or of the JSON file beside it, is one.
+/// Returns true if a file is a frame, or the JSON file beside one.
 fn is_frame(path: &Path) -> bool {
     let is_picture = |path: &Path| open_plain(path).is_ok_and(|f| carries_scene(BufReader::new(f)));
     let is_json = path.extension().is_some_and(|ending| ending == "json");
@@ -249,12 +252,12 @@ mod tests {
     fn a_film_made_again_makes_no_frame_and_has_the_same_manifest() {
         let folder = tempfile::tempdir().unwrap();
         let keys = Keys::parse("[[key]]\nsecs = 0\n[[key]]\nsecs = 1\n").unwrap();
-        // Moments of this rate need all digits that a JSON file has.
+        // Frame times at this rate need all the digits that JSON can hold.
         let film = Film { size: [2, 2], fps: 30.0, frames: 31, keys: keys.keys };
         let made = |missing: Option<u32>| {
             let mut frames = Frames::open(folder.path(), &film, &Document::default()).unwrap();
             let mut new = Vec::new();
-            // Frames that are there are found before any other is made.
+            // All frames that exist are looked up before any other is made.
             let (known, unknown): (Vec<u32>, Vec<u32>) =
                 (0..film.frames).partition(|frame| Some(*frame) != missing);
             for frame in known.into_iter().chain(unknown) {

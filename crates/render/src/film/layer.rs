@@ -13,37 +13,38 @@ use flipmap_scene::{Grid, Turn, View};
 /// Samples along each side of a patch.
 const SIDE: usize = PATCH_SIDE as usize;
 
-/// The light of the cells that a frame uses, and of those that the frame before it used.
+/// The light of the cells that a frame uses, and of those that the previous frame used.
 pub(super) struct UsedLight<'a> {
-    /// The light of the frame before, by its index in the mip.
+    /// Light of the previous frame, by its index in the mip.
     pub before: &'a HashMap<u32, Light>,
     pub now: HashMap<u32, Light>,
 }
 
 /// The cells of one level around a frame.
 pub(super) struct Layer {
-    /// The place of a point of the frame in samples from the lower left one, along both axes: what
-    /// it changes by for each pixel to the right and down, and where the frame's upper left corner is.
+    /// Position in samples from the lower left one, for each axis: its change per pixel to the
+    /// right, its change per pixel down, and its value at the frame's upper left corner.
     place: [[f64; 3]; 2],
     /// The lower left cell.
     first: Cell,
     columns: usize,
-    /// Rows from below.
+    /// Row by row from the bottom; `None` for a cell without colours.
     cells: Vec<Option<Entry>>,
 }
 
-/// Place of a cell's samples: in its own colours, or in those of a coarser patch around it.
+/// Source of a cell's samples: its own colours, or those of a coarser patch around it.
 struct Entry {
     light: Light,
     shift: u32,
-    /// Samples of this level in the patch before the cell's own, to the right and up.
+    /// Column and row of the cell's first sample in the patch, from the lower left, in samples of
+    /// this level.
     first: [usize; 2],
-    /// The index of the light that its quarters have in the next finer level, if it is a patch's.
+    /// Index in the mip of the light for finer levels, if the colours are those of a patch.
     finer: Option<u32>,
 }
 
 impl Layer {
-    /// The cells of `level` that a frame touches, given its view and its pixels.
+    /// Finds the cells of `level` that a frame touches, given its view and its grid of pixels.
     pub(super) fn around(
         view: &View,
         grid: &Grid,
@@ -79,7 +80,7 @@ impl Layer {
         Ok(Layer { place, first, columns: x.count(), cells })
     }
 
-    /// The quarters of its cells: the next finer level.
+    /// Returns the layer of the next finer level, made of the quarters of these cells.
     pub(super) fn finer(&self, mip: &mut Mip, used: &mut UsedLight) -> io::Result<Self> {
         let mut cells = Vec::with_capacity(4 * self.cells.len());
         for row in 0..2 * (self.cells.len() / self.columns) {
@@ -103,15 +104,15 @@ impl Layer {
                 });
             }
         }
-        // Places lie between samples, which are half as far apart.
+        // Positions count from the centre of a sample, which moves when the pitch is halved.
         let place = self.place.map(|[right, down, at]| [2.0 * right, 2.0 * down, 2.0 * at + 0.5]);
         let first = self.first.children()[0];
         Ok(Layer { place, first, columns: 2 * self.columns, cells })
     }
 
-    /// Light and height at a place of the frame, in pixels from its upper left corner, interpolated
-    /// between four samples; none where one of them is missing. The height is 0 beside a sample
-    /// without one.
+    /// Returns the light and height at a place of the frame, in pixels from its upper left corner,
+    /// interpolated between four samples; `None` if one of them is missing. The height is 0 if one
+    /// of them has none.
     pub(super) fn light(&self, [across, down]: [f64; 2]) -> Option<[f32; 4]> {
         let along = |[right, below, at]: [f64; 3]| across * right + down * below + at;
         let (x, y) = (along(self.place[0]), along(self.place[1]));
@@ -135,18 +136,19 @@ impl Layer {
         Some(sum)
     }
 
-    /// The height at such a place, from 0 to 1; none beside a sample without one.
+    /// Returns the height at a place as in [`Self::light`], from 0 to 1; `None` if one of the four
+    /// samples is missing or has no height.
     pub(super) fn height(&self, place: [f64; 2]) -> Option<f32> {
         let height = self.light(place)?[HEIGHT];
         (height > 0.0).then(|| (height - 1.0) / HIGHEST as f32)
     }
 
-    /// A sample with those to its right, above it, and above that on its right.
+    /// Returns a sample and its neighbours to the right, above, and above on the right.
     #[inline]
     fn four(&self, column: usize, row: usize) -> Option<[SampleLight; 4]> {
         let (x, y) = (column % SIDE, row % SIDE);
         if x + 1 < SIDE && y + 1 < SIDE {
-            // Most lie in one cell.
+            // Most groups of four lie in one cell.
             let entry = self.entry(column / SIDE, row / SIDE)?;
             return Some([
                 entry.at(x, y),
@@ -177,7 +179,7 @@ impl Layer {
 }
 
 impl Entry {
-    /// The colours for a cell: its own, or those of the patch in which it lies.
+    /// Returns the colours for a cell: its own, or those of the patch in which it lies.
     fn of(cell: Cell, mip: &mut Mip, used: &mut UsedLight) -> io::Result<Option<Self>> {
         let holders = (0..=cell.level).rev().map(|level| cell.ancestor(level));
         let known = |at: Cell| mip.place(&at).map(|place| (at, place));
@@ -191,13 +193,14 @@ impl Entry {
         Entry::of_part(finer, cell.level - holder.level, first, mip, used).map(Some)
     }
 
-    /// The colours of a cell itself.
+    /// Returns the cell's own colours.
     fn of_whole(place: CellPlace, mip: &mut Mip, used: &mut UsedLight) -> io::Result<Self> {
         let light = used.light(place.own, mip)?;
         Ok(Entry { light, shift: 0, first: [0; 2], finer: place.finer })
     }
 
-    /// The colours of a part of a patch, whose light in finer levels has this index.
+    /// Returns the colours of a part of a patch; `finer` is the index of the patch's light for
+    /// finer levels.
     fn of_part(
         finer: u32,
         shift: u32,
@@ -208,7 +211,7 @@ impl Entry {
         Ok(Entry { light: used.light(finer, mip)?, shift, first, finer: Some(finer) })
     }
 
-    /// The sample so many samples to the right and up in the cell.
+    /// Returns the sample at a column and row of the cell, counted from its lower left.
     #[inline]
     fn at(&self, column: usize, row: usize) -> SampleLight {
         let (column, row) =
@@ -218,7 +221,7 @@ impl Entry {
 }
 
 impl UsedLight<'_> {
-    /// The light at an index of the mip.
+    /// Returns the light at an index of the mip, read only if neither frame has used it.
     fn light(&mut self, index: u32, mip: &mut Mip) -> io::Result<Light> {
         if let Some(light) = self.now.get(&index) {
             return Ok(light.clone());
@@ -232,7 +235,7 @@ impl UsedLight<'_> {
     }
 }
 
-/// The cell so many cells to the right and up.
+/// Returns the cell that lies `by` cells to the right and up.
 fn moved(cell: &Cell, by: [i64; 2]) -> Cell {
     let far = by.map(|by| Turn::side(cell.level).times(by as f64));
     Cell::at([cell.x + far[0], cell.y + far[1]], cell.level)

@@ -1,4 +1,4 @@
-//! The light from the side on a frame: slopes between the heights of its pixels.
+//! Light from the side on a frame, computed from the slopes between its pixels' heights.
 
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ pub(super) struct LitFrame {
 }
 
 impl LitFrame {
-    /// Takes the height of each pixel, given its column and row, of a frame of `size` pixels.
+    /// Evaluates `height` at the column and row of each pixel of a frame of `size` pixels.
     pub(super) fn new(
         relief: Relief,
         size: [u32; 2],
@@ -25,7 +25,7 @@ impl LitFrame {
         LitFrame { relief, across, heights: places.map(height).collect() }
     }
 
-    /// Returns the factor of a pixel's light.
+    /// Returns the factor by which a pixel's light is multiplied.
     pub(super) fn factor(&self, [column, row]: [usize; 2]) -> f32 {
         let row_of = |row: usize| self.heights.get(row * self.across..(row + 1) * self.across);
         let here = row_of(row).unwrap_or_default();

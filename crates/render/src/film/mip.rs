@@ -1,12 +1,13 @@
 //! The colours of patches, and of every cell above them at 1/2, 1/4, … of their resolution; under
 //! light from the side, their heights too.
 //!
-//! Levels show flips within budgets of their own ([`super::FrameGroup::shown`]), so a cell looks
-//! different in the means of every level above it. Only its look in its own level is kept, and that of
-//! a patch in the next finer one; those for the levels above go into their means and are forgotten.
+//! Each level shows flips within its own budget ([`super::FrameGroup::shown`]), so a cell looks
+//! different in the means of every level above it. A cell keeps only its look in its own level and,
+//! if it is a patch, its look in the next finer one; the looks for the levels above are averaged
+//! into cells of those levels and dropped.
 //!
-//! They lie in an unnamed file, which the system keeps in memory as far as there is room: a deep
-//! zoom may have more colours than fit.
+//! The colours lie in an unnamed file, which the system caches in memory while there is room: a
+//! deep zoom may have more colours than fit.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -23,18 +24,19 @@ pub(crate) type SampleLight = [u16; 4];
 /// The samples of a patch, row by row from the top.
 pub type Light = Arc<[SampleLight]>;
 
-/// Number of levels above its own for which a cell has a look. Still higher levels take the last: they see
-/// the cell in less than a sample, unless a frame has more than 4096 of them along its width.
+/// Number of levels above its own for which a cell has a look. Still higher levels use the last
+/// look: there, a whole frame of the cell's level is less than a sample wide, unless it has more
+/// than 4096 samples across.
 const LEVELS_ABOVE: usize = 12;
 
 /// Number of looks of a cell.
 pub(super) const LOOKS: usize = LEVELS_ABOVE + 2;
 
-/// The colours of a cell as levels show it: the next finer one, its own, the one above, and so on.
-/// Equal ones are one.
+/// The colours of a cell as shown by the next finer level, its own, the one above, and so on. Equal
+/// looks share one `Arc`.
 pub type Looks = [Light; LOOKS];
 
-/// Indices of the first looks.
+/// Index of the look in the next finer level; [`OWN`] is the one in the cell's own level.
 const FINER: usize = 0;
 const OWN: usize = 1;
 
@@ -45,23 +47,24 @@ pub(super) const HEIGHT: usize = 3;
 pub(crate) struct Mip {
     file: File,
     places: HashMap<Cell, CellPlace>,
-    /// Number of numbers per sample in the file: heights are kept only if the film is lit.
+    /// Number of channels per sample in the file: 3, or 4 if the film is lit and has heights.
     channels: usize,
 }
 
-/// The colours of a cell in the file.
+/// Place of a cell's colours in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct CellPlace {
     /// Index of its look in its own level.
     pub own: u32,
-    /// Index of its look in finer levels, if it is a patch: no finer cells have colours of their own.
+    /// Index of its look in finer levels, if it is a patch; cells inside a patch have no colours of
+    /// their own.
     pub finer: Option<u32>,
 }
 
 impl Mip {
     /// Builds the mip of `patches`, given in depth-first order of quarters of quarters; `looks`
-    /// returns their looks one by one in that order. The file lies in `folder`, and keeps heights if the
-    /// film `is_lit` from the side.
+    /// returns their looks one by one in that order. The file lies in `folder`, and has heights if
+    /// the film `is_lit` from the side.
     pub(crate) fn build<E: From<io::Error>>(
         patches: &[Cell],
         is_lit: bool,
@@ -83,7 +86,7 @@ impl Mip {
         Ok(Mip { file, places: builder.places, channels })
     }
 
-    /// The place of a cell's colours, if it has some.
+    /// Returns the place of a cell's colours, if it has any.
     pub(super) fn place(&self, cell: &Cell) -> Option<CellPlace> {
         self.places.get(cell).copied()
     }
@@ -110,7 +113,8 @@ struct Builder<'a, E> {
 }
 
 impl<E: From<io::Error>> Builder<'_, E> {
-    /// Writes and returns the looks of a cell, whose patches these are.
+    /// Writes the looks of a cell and of all cells inside it, given its patches, and returns the
+    /// cell's looks.
     fn build(&mut self, cell: Cell, patches: &[Cell]) -> Result<Looks, E> {
         let is_patch = patches == [cell];
         let looks = if is_patch { (self.looks)()? } else { self.halved(&cell, patches)? };
@@ -133,7 +137,8 @@ impl<E: From<io::Error>> Builder<'_, E> {
         Ok(self.written - 1)
     }
 
-    /// The looks of a cell above patches, whose quarters are built first.
+    /// Builds the quarters of a cell that is coarser than its patches, and returns the cell's
+    /// looks.
     fn halved(&mut self, cell: &Cell, patches: &[Cell]) -> Result<Looks, E> {
         // Children: the left two from below, then the right two.
         let mut quarters = [const { None }; 4];
@@ -151,8 +156,8 @@ impl<E: From<io::Error>> Builder<'_, E> {
     }
 }
 
-/// The looks of a cell, given those of its quarters that are seen. The level of the cell, and every
-/// other, lies one level further above the quarters than above the cell.
+/// Returns the looks of a cell, given those of its quarters that are seen. Every level lies one
+/// level further above the quarters than above the cell.
 fn halved_looks(quarters: &[Option<Looks>; 4]) -> Looks {
     let from = |look: usize| (look + 1).min(LOOKS - 1);
     let mut looks: Vec<Light> = Vec::with_capacity(LOOKS);
@@ -164,12 +169,12 @@ fn halved_looks(quarters: &[Option<Looks>; 4]) -> Looks {
         };
         looks.push(light);
     }
-    // Finer levels have cells of their own.
+    // Unused: finer levels show the quarters themselves.
     looks.insert(FINER, looks[0].clone());
     looks.try_into().expect("as many looks")
 }
 
-/// The means of two by two samples of quarters; black where one is missing.
+/// Returns the means over 2 × 2 samples of the quarters; a missing quarter is black.
 fn quartered(quarters: [Option<&Light>; 4]) -> Light {
     let mut all = vec![[0; 4]; PATCH_SAMPLES];
     for (k, light) in quarters.into_iter().enumerate() {
@@ -181,7 +186,8 @@ fn quartered(quarters: [Option<&Light>; 4]) -> Light {
     all.into()
 }
 
-/// Puts a patch's means into the quarter of another, so many quarters to the right and down.
+/// Writes the means over 2 × 2 samples of `light` into the quarter of `all` at `right` and `down`,
+/// each 0 or 1.
 fn put_quarter(all: &mut [SampleLight], light: &[SampleLight], [right, down]: [usize; 2]) {
     let side = PATCH_SIDE as usize;
     let half = side / 2;
@@ -194,7 +200,7 @@ fn put_quarter(all: &mut [SampleLight], light: &[SampleLight], [right, down]: [u
     }
 }
 
-/// The mean of four samples; a place that is partly without a height has none.
+/// Returns the mean of four samples; it has a height only if all four have one.
 fn mean(four: [SampleLight; 4]) -> SampleLight {
     let of = |channel: usize| four.map(|sample| u32::from(sample[channel]));
     let mut mean =
@@ -209,7 +215,7 @@ fn mean(four: [SampleLight; 4]) -> SampleLight {
 mod tests {
     use super::*;
 
-    /// Looks of a patch that are all one.
+    /// Returns looks that are all the same.
     fn alike(light: Vec<SampleLight>) -> Looks {
         let light: Light = light.into();
         std::array::from_fn(|_| light.clone())
@@ -251,7 +257,8 @@ mod tests {
 
     #[test]
     fn each_level_has_the_means_of_its_own_looks() {
-        // Patches three levels down, dark for the whole torus and lit by 100 more for each finer level.
+        // Patches three levels down, dark for the whole torus and brighter by 100 for each finer
+        // level.
         let two = Cell::WHOLE.children().map(|cell| cell.children());
         let patches: Vec<Cell> = two.iter().flatten().flat_map(Cell::children).collect();
         let mut looks = || {

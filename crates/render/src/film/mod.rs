@@ -1,8 +1,8 @@
 //! Films: frames painted from samples that were computed beforehand.
 //!
-//! Frames are not computed one by one. The camera's path determines how closely the frames look at
-//! each place, and it is sampled once, as finely as the nearest look needs: in patches, cells of
-//! the lattice with 16 × 16 samples each ([`crate::tiles::patches`]). Along one axis of a zoom:
+//! Frames are not computed one by one. The camera's path determines how finely each place must be
+//! sampled, and each place is sampled once, as finely as the closest frame needs: in patches, cells
+//! of the lattice with 16 × 16 samples each ([`crate::tiles::patches`]). Along one axis of a zoom:
 //!
 //! ```text
 //! frames    ├─────────────────────────────┤
@@ -13,18 +13,18 @@
 //! keys ─▶ shots ─▶ patches ─▶ samples ─▶ Mip ─▶ FramePainter ─▶ Frames, or ffmpeg's Encoder
 //! ```
 //!
-//! The [`Mip`] holds the colours of the patches and, averaged over 2 × 2 samples a level, those of
-//! every cell above them up to the whole torus; the [`FramePainter`] takes each frame out of it.
+//! The [`Mip`] holds the colours of the patches and, averaged over 2 × 2 samples per level, those
+//! of every cell above them up to the whole torus; the [`FramePainter`] paints each frame from it.
 //!
 //! - A zoom costs as many samples as a few frames per octave, however many frames it has.
 //! - A place has the same samples in every frame, so no pixel flickers between two frames.
-//! - Other colours, and other times to show ([`FlipWindow`]), compute nothing. Another pendulum is
-//!   another [`FrameGroup`] with samples of its own.
-//! - Samples have the budget of the frames that look at their level and the next finer one
-//!   ([`level_budgets`]), so that a zoom does not pay for its last view's budget on its way.
-//! - A level shows flips within its own budget everywhere, in the middle of its frames as well, where
-//!   finer patches know later ones ([`FrameGroup::shown`]); those fade in with the next level. A frame of a camera
-//!   that stays hides what flips after its own budget.
+//! - Changing the colours or the shown times ([`FlipWindow`]) computes nothing again. Another
+//!   pendulum is another [`FrameGroup`] with samples of its own.
+//! - Samples have the largest budget of the frames that look at any level up to the next finer one
+//!   ([`level_budgets`]), so the wide views of a zoom do not pay for the budget of its last view.
+//! - A level shows only flips within its own budget, even in the middle of its frames, where finer
+//!   patches know later ones ([`FrameGroup::shown`]); later flips fade in with the next level. If
+//!   the camera stays, each frame hides flips after its own budget.
 //! - Only one of a patch and its mirror image is computed.
 
 mod colours;
@@ -57,7 +57,7 @@ use flipmap_scene::{Scene, View};
 pub struct FrameGroup {
     /// The pendulum and the question; neither the view nor the budget matters.
     scene: Scene,
-    /// The levels from which on patches have another budget, and that budget in s.
+    /// Levels at which the budget of patches changes, each with its budget in s.
     budgets: Vec<(u32, f64)>,
     /// The range from the first frame to the one after the last.
     pub frames: std::ops::Range<u32>,
@@ -65,11 +65,13 @@ pub struct FrameGroup {
     pub patches: Arc<[Cell]>,
 }
 
-/// Number of different budgets that the levels of a film may have.
+/// Number of equal steps from 0 s to a film's largest budget; the levels' budgets are rounded up to
+/// them.
 const BUDGETS: f64 = 64.0;
 
 impl FrameGroup {
-    /// The scenes to compute patches of, one for each budget; their views do not matter.
+    /// Returns the scenes whose patches are computed, one for each budget; their views do not
+    /// matter.
     pub(crate) fn scenes(&self) -> impl Iterator<Item = Scene> {
         self.budgets.iter().map(|(_, secs)| {
             let mut scene = self.scene.clone();
@@ -78,14 +80,14 @@ impl FrameGroup {
         })
     }
 
-    /// The index among [`Self::scenes`] of the one to compute a patch of: that of the next finer level, in
-    /// which the patch may be seen too.
+    /// Returns the index in [`Self::scenes`] of the scene for a patch: that of the next finer
+    /// level, which may show the patch, too.
     pub(crate) fn scene_index(&self, patch: &Cell) -> usize {
         self.budget_index(patch.level + 1)
     }
 
-    /// The flips that each level shows of a patch, given those that its frames show in any case: the
-    /// next finer level first, then the patch's own, then the levels above.
+    /// Returns the flips of a patch that each level shows, at most `shown`: the next finer level
+    /// first, then the patch's own, then the levels above.
     pub(crate) fn shown(&self, patch: &Cell, shown: FlipWindow) -> [FlipWindow; LOOKS] {
         let budget = |level: u32| self.budgets[self.budget_index(level)].1;
         std::array::from_fn(|k| shown.within(budget((patch.level + 1).saturating_sub(k as u32))))
@@ -96,7 +98,7 @@ impl FrameGroup {
     }
 }
 
-/// The groups of a film: one for each run of frames with the same pendulum.
+/// Returns the groups of a film, one for each run of frames with the same pendulum.
 pub(crate) fn frame_groups(film: &Film) -> Vec<FrameGroup> {
     let samples = film.keys[0].scene.picture.samples.along();
     let shots: Vec<Shot> = (0..film.frames).map(|frame| film.shot(frame)).collect();
@@ -124,9 +126,9 @@ pub(crate) fn frame_groups(film: &Film) -> Vec<FrameGroup> {
     groups
 }
 
-/// The levels from which on patches have another budget, and that budget in s: the largest of the
-/// shots that look at such a level or a coarser one, in steps of a 64th of the film's largest.
-/// `levels` has one for each run of shots with the same view.
+/// Returns the levels at which the budget changes, each with its budget in s: the largest of the
+/// shots that look at that level or a coarser one, in steps of a 64th of the film's largest.
+/// `levels` has one level for each run of shots with the same view.
 fn level_budgets(film: &Film, levels: &[u32], shots: &[Shot]) -> Vec<(u32, f64)> {
     let most = film.budget_secs();
     let step = most / BUDGETS;
@@ -144,7 +146,7 @@ fn level_budgets(film: &Film, levels: &[u32], shots: &[Shot]) -> Vec<(u32, f64)>
     budgets
 }
 
-/// Shots without those that have the view of the one before.
+/// Returns the shots whose view differs from that of the shot before.
 fn different_views(shots: &[Shot]) -> Vec<&Shot> {
     let moved = |two: &&[Shot]| two[0].scene.view != two[1].scene.view;
     shots.first().into_iter().chain(shots.windows(2).filter(moved).map(|two| &two[1])).collect()
@@ -196,7 +198,7 @@ mod tests {
         assert_eq!(stays, [30.0]);
     }
 
-    /// The mip of a film of which every start flips after so many seconds.
+    /// Builds the mip of a film in which every start flips at `secs`.
     fn mip_of_flips_at(secs: f64, group: &FrameGroup, shown: FlipWindow) -> Mip {
         let tones = Tones::new(&PictureTable::default(), 0.3, 60.0).unwrap();
         let mut samples = Samples::unflipped(PATCH_SAMPLES);

@@ -48,7 +48,7 @@ struct LayerPair {
 }
 
 impl FramePainter {
-    /// A painter of frames of this size.
+    /// Creates a painter of frames of this size.
     pub(crate) fn new(size: [u32; 2], picture: &PictureTable) -> Self {
         let encode = (0..=u16::MAX).map(|light| encoded(f64::from(light) / 65535.0)).collect();
         let curve = Ground::of(picture).ok().filter(|_| picture.curve).map(|ground| ground.curve);
@@ -56,7 +56,7 @@ impl FramePainter {
         FramePainter { size, samples, curve, relief, encode, used: HashMap::new() }
     }
 
-    /// Forgets the previous frame's colours, because other colours follow.
+    /// Forgets the previous frame's light; called before frames that use another mip.
     pub(crate) fn forget(&mut self) {
         self.used.clear();
     }
@@ -90,7 +90,7 @@ impl FramePainter {
         Ok(bytes)
     }
 
-    /// The mean light of a pixel.
+    /// Returns the mean light of a pixel's points.
     fn light(&self, pixel: [usize; 2], layers: &LayerPair) -> [f32; 3] {
         let along = self.samples;
         let mut sum = [0.0; 3];
@@ -107,14 +107,15 @@ impl FramePainter {
 }
 
 impl LayerPair {
-    /// Light at a place of the frame, in pixels from its upper left corner.
+    /// Returns the light at a place of the frame, in pixels from its upper left corner.
     fn light(&self, place: [f64; 2]) -> [f32; 4] {
         let light = self.coarse.light(place).unwrap_or_default();
         let finer = self.fine.light(place).unwrap_or(light);
         std::array::from_fn(|i| light[i] + (finer[i] - light[i]) * self.fine_share)
     }
 
-    /// The height at such a place, from 0 to 1; none where a sample has none.
+    /// Returns the height at a place as in [`Self::light`], from 0 to 1; `None` if a sample has
+    /// none.
     fn height(&self, place: [f64; 2]) -> Option<f32> {
         let height = self.coarse.height(place)?;
         let finer = self.fine.height(place).unwrap_or(height);
@@ -122,8 +123,8 @@ impl LayerPair {
     }
 }
 
-/// Share of the finer of two levels in the mix: none where the coarser one's samples lie as close
-/// together as they ever do for a frame that begins with it, all where they lie as far apart.
+/// Returns the finer level's share in the mix: from 0, where the coarser level's samples are as
+/// close together as a frame of that level allows, to 1, where they are as far apart as it allows.
 fn fine_share(sight: &Sight, level: u32) -> f32 {
     let closer = (SLACK * sight.pitch_rad() / patch_pitch_rad(level)).log2();
     (1.0 - closer).clamp(0.0, 1.0) as f32
@@ -145,7 +146,8 @@ mod tests {
         Shot { scene: Scene { view, ..Scene::default() }, clock_secs: None }
     }
 
-    /// A mip of waves over the plane in the first channel, whose phase turns 1 rad in `wave_rad`.
+    /// Builds a mip of waves over the plane in the first channel, whose phase advances by 1 rad in
+    /// `wave_rad`.
     fn waves(shots: &[Shot], wave_rad: f64) -> Mip {
         let sights: Vec<Sight> =
             shots.iter().map(|shot| Sight::new(&shot.scene, SIZE, SAMPLES_ALONG)).collect();
@@ -206,7 +208,7 @@ mod tests {
             let middle = 0.5 * (above + below);
             *(if level(middle) == level(0.6) { &mut above } else { &mut below }) = middle;
         }
-        // The film goes on, so that the middle is finer still; a wave is three pixels long.
+        // The film continues, so the middle is finer still; a wave is three pixels long.
         let shots = [shot(above, 0.0), shot(below, 0.0), shot(0.02, 0.0)];
         let mut mip = waves(&shots, 0.5 * above / 96.0);
         let [a, b] = [0, 1].map(|k: usize| painter().paint(&shots[k], &mut mip).unwrap());

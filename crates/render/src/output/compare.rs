@@ -1,6 +1,6 @@
-//! A comparison of two results of one size, pixel by pixel: arrays of flip times, or pictures.
+//! Compares two results of the same size pixel by pixel: arrays of answers, or pictures.
 //!
-//! Both are read row by row, so that their size does not matter.
+//! Both are read row by row, so they may be larger than memory.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
@@ -34,9 +34,10 @@ enum ResultRow {
 /// The difference between two pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Difference {
-    /// A difference by the [`Yardstick`], or in levels out of 255 in the channel that differs most.
+    /// Size of the difference: for arrays as the [`Yardstick`] measures it, for pictures in levels
+    /// out of 255 in the channel that differs most.
     By(f64),
-    /// A time in one and none in the other, or none in both for different reasons.
+    /// A class change: a time in one and none in the other, or none in both for different reasons.
     Class,
 }
 
@@ -62,7 +63,7 @@ pub enum CompareError {
         /// The fault, as a phrase.
         why: String,
     },
-    /// Flip times compared with colours.
+    /// An array compared with a picture.
     #[error("{a} has flip times and {b} colours, or the other way round: compare like with like")]
     Unlike {
         /// Path of one result.
@@ -166,7 +167,7 @@ impl ResultRows {
         self.size
     }
 
-    /// Refuses an array that does not have the channels of a question.
+    /// Refuses an array that does not have as many channels as a question.
     pub fn require(&self, ask: QuestionName) -> Result<(), CompareError> {
         match self.kind {
             ResultKind::Times(_, found) if found != ask.kind().channels.len() => {
@@ -176,12 +177,12 @@ impl ResultRows {
         }
     }
 
-    /// Returns true if it holds flip times.
+    /// Returns true for an array, false for a picture.
     pub fn has_times(&self) -> bool {
         matches!(self.kind, ResultKind::Times(..))
     }
 
-    /// Number of values of each pixel.
+    /// Returns the number of values of each pixel.
     fn channels(&self) -> usize {
         match self.kind {
             ResultKind::Times(_, channels) => channels,
@@ -215,19 +216,20 @@ impl ResultRows {
     }
 }
 
-/// The way in which the values of two pixels are compared.
+/// The measure by which the values of two pixels are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Yardstick {
-    /// The greatest difference of any value.
+    /// The largest difference between any two values.
     Plain,
     /// The difference of one channel, in its unit.
     Channel(&'static Channel),
-    /// Differences of several channels, each in multiples of the error within which it counts as right.
+    /// The largest difference of several channels, each in multiples of the largest error of a
+    /// right value.
     Channels(&'static [Channel]),
 }
 
 impl Yardstick {
-    /// The yardstick of a question.
+    /// Returns the yardstick for a question.
     pub fn of(ask: QuestionName) -> Self {
         match ask.kind().channels {
             [channel] => Yardstick::Channel(channel),
@@ -235,7 +237,7 @@ impl Yardstick {
         }
     }
 
-    /// Unit of the differences; empty if there is none.
+    /// Returns the unit of the differences; empty if there is none.
     pub fn unit(&self) -> &'static str {
         match self {
             Yardstick::Plain => "",
@@ -244,7 +246,7 @@ impl Yardstick {
         }
     }
 
-    /// Largest difference that does not count unless another is given.
+    /// Returns the largest difference that is ignored by default.
     pub fn tolerance(&self) -> f64 {
         match self {
             Yardstick::Plain => 1e-3,
@@ -253,7 +255,7 @@ impl Yardstick {
         }
     }
 
-    /// The difference of two pixels' values.
+    /// Returns the difference between two pixels' values.
     fn between(&self, a: &[f64], b: &[f64]) -> Difference {
         match self {
             Yardstick::Plain => Difference::of_values(a, b),
@@ -273,7 +275,7 @@ impl Yardstick {
     }
 }
 
-/// The difference of two values of a channel; angles are compared on the circle.
+/// Returns the difference between two values of a channel; angles are compared on the circle.
 fn apart(channel: &Channel, a: f64, b: f64) -> Difference {
     match Difference::of_times(a, b) {
         Difference::By(by) if channel.scale == ChannelScale::Cyclic => {
@@ -285,7 +287,8 @@ fn apart(channel: &Channel, a: f64, b: f64) -> Difference {
 }
 
 impl Difference {
-    /// The difference of two flip times: finite, +inf without a flip, NaN where there can be none.
+    /// Returns the difference between two values: finite, +inf for unflipped and failed pixels, NaN
+    /// for forbidden ones.
     pub(crate) fn of_times(a: f64, b: f64) -> Self {
         if a.is_finite() && b.is_finite() {
             Difference::By((a - b).abs())
@@ -296,7 +299,7 @@ impl Difference {
         }
     }
 
-    /// The difference of two pixels with several values: that of the values that differ most.
+    /// Returns the largest difference among the values of two pixels.
     fn of_values(a: &[f64], b: &[f64]) -> Self {
         let each = a.iter().zip(b).map(|(a, b)| Difference::of_times(*a, *b));
         each.reduce(Difference::or_larger).unwrap_or(Difference::By(0.0))
@@ -309,14 +312,14 @@ impl Difference {
         }
     }
 
-    /// The difference of two colours.
+    /// Returns the difference between two colours.
     fn of_colours(a: &[u8], b: &[u8]) -> Self {
         let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
         Difference::By(f64::from(most))
     }
 }
 
-/// Compares two results; each row of differences is handed to `row`, from the top.
+/// Compares two results and passes each row of differences to `row`, from the top.
 pub fn compare(
     mut a: ResultRows,
     mut b: ResultRows,

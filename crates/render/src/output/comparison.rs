@@ -9,7 +9,7 @@ pub struct Comparison {
     pub pixels: u64,
     /// Number of pixels that differ by more than was allowed, class changes included.
     pub differing: u64,
-    /// Number of those that changed their class.
+    /// Number of differing pixels that changed their class.
     pub classes: u64,
     /// The largest difference.
     pub largest: f64,
@@ -44,13 +44,13 @@ impl Comparison {
         }
     }
 
-    /// The share of pixels that differ by more than was allowed.
+    /// Returns the share of pixels that differ by more than was allowed.
     pub fn share(&self) -> f64 {
         self.differing as f64 / (self.pixels as f64).max(1.0)
     }
 
-    /// The difference that this share of the pixels does not exceed, accurate to a fortieth of
-    /// itself; class changes do not count.
+    /// Returns the difference that this share of the pixels does not exceed, accurate to a fortieth
+    /// of itself; pixels that changed their class are left out.
     pub fn quantile(&self, share: f64) -> f64 {
         self.histogram.quantile(share).min(self.largest)
     }

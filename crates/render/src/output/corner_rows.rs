@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::tiles::PlainPixels;
 use flipmap_scene::palette::{Tint, channel_of, light_of};
 
-/// Share of a pixel that lies nearer to its middle than to its corners; these share the rest.
+/// Share of a pixel that lies nearer to its middle than to its corners; the corners share the rest.
 const MIDDLE: f64 = 0.5;
 /// Share of a pixel that lies nearest to one of its corners.
 const CORNER: f64 = (1.0 - MIDDLE) / 4.0;
@@ -18,23 +18,23 @@ pub(super) struct CornerRows {
     /// Number of pixels in a row.
     width: usize,
     next_row: usize,
-    /// Colours of corners from the upper ones of the next row on.
+    /// Colours of the corners that have come, from the upper ones of the next row on.
     waiting: Vec<Tint>,
 }
 
 impl CornerRows {
-    /// The rows of a picture of these pixels, `width` of them in a row.
+    /// Creates the rows of a picture of these pixels, `width` of them in a row.
     pub(super) fn new(plain: Arc<PlainPixels>, width: usize) -> Self {
         CornerRows { plain, width, next_row: 0, waiting: Vec::new() }
     }
 
-    /// The pixels, with the samples in their middles.
+    /// Returns the pixels, with the samples in their middles.
     pub(super) fn pixels(&self) -> &PlainPixels {
         &self.plain
     }
 
-    /// Takes the colours of the next corners, and returns those of the pixels above them whose corners
-    /// are all known, with the index of the first pixel.
+    /// Takes the colours of the next corners. Returns the index of the first pixel whose corners
+    /// are now complete, and the colours of all such pixels.
     pub(super) fn mixed(&mut self, corners: &[Tint]) -> (usize, Vec<Tint>) {
         self.waiting.extend(corners);
         let across = self.width + 1;
@@ -54,8 +54,8 @@ impl CornerRows {
         (first, pixels)
     }
 
-    /// The mean colour of a pixel, in linear light. A corner without a sample has the colour of the
-    /// middle.
+    /// Returns the mean colour of a pixel, computed in linear light. A corner without a sample has
+    /// the colour of the middle.
     fn pixel(&self, [column, row]: [usize; 2], corners: [Tint; 4]) -> Tint {
         let middle = self.plain.tint(row * self.width + column);
         let [x, y] = [column as u32, row as u32];

@@ -1,4 +1,4 @@
-//! The energy curve as pixels show it; only pixels near it are examined.
+//! Coverage of pixels by the energy curve; only pixels near it are examined.
 
 use std::ops::Range;
 
@@ -16,11 +16,11 @@ pub(crate) struct CurveBand {
 const BLOCK: u32 = 16;
 /// Half the width of the energy curve in pixels.
 const HALF_WIDTH: f64 = 0.75;
-/// Distance in pixels between the curve and the middle of a pixel that it just does not touch.
+/// Smallest distance in pixels from the curve to the middle of a pixel that it does not touch.
 const REACH: f64 = HALF_WIDTH + 0.5;
 
 impl CurveBand {
-    /// The band in which a row of a grid lies.
+    /// Returns the band in which a row of a grid lies.
     pub(crate) fn around(grid: &Grid, row: u32) -> Self {
         let first_row = row - row % BLOCK;
         let columns = (0..grid.size()[0]).step_by(BLOCK as usize);
@@ -28,19 +28,20 @@ impl CurveBand {
         CurveBand { near: columns.map(near).collect() }
     }
 
-    /// The bands in which some rows lie, from the top.
+    /// Returns the bands that contain these rows, from the top.
     pub(super) fn all(grid: &Grid, rows: Range<u32>) -> Vec<Self> {
         let bands = rows.start / BLOCK..rows.end.div_ceil(BLOCK);
         bands.into_par_iter().map(|band| CurveBand::around(grid, band * BLOCK)).collect()
     }
 
-    /// The band of a row among those of the rows from `first` on; none where there are no bands.
+    /// Returns the band of a row, given the bands of the rows from `first` on; `None` if there are
+    /// no bands.
     pub(super) fn of_row(bands: &[CurveBand], first: u32, row: u32) -> Option<&CurveBand> {
         bands.get((row / BLOCK - first / BLOCK) as usize)
     }
 
-    /// Share of a pixel of the band that the energy curve covers, from its distance to the pixel's
-    /// middle.
+    /// Returns the share of a pixel of the band that the energy curve covers, from its distance to
+    /// the pixel's middle.
     pub(crate) fn cover(&self, grid: &Grid, column: u32, row: u32) -> f64 {
         if !self.near[(column / BLOCK) as usize] {
             return 0.0;

@@ -27,15 +27,15 @@ fn heed_stop() -> io::Result<()> {
     }
 }
 
-/// Number of bytes that are written at once: what a pipe that can be written to has room for.
+/// Largest number of bytes in one write: a pipe that is ready for writing has room for as many.
 const AT_ONCE: usize = 4096;
 
-/// A pipe, a device or standard output that is written.
+/// A pipe, a device or standard output, open for writing.
 pub struct Device(File);
 
 impl Device {
     /// Opens a pipe or a device. Opening a named pipe normally blocks until somebody reads it; this
-    /// waits for a reader, but not forever.
+    /// waits for a reader for a few seconds at most.
     #[cfg(unix)]
     pub(super) fn open(path: &Path) -> io::Result<Self> {
         use std::os::unix::fs::OpenOptionsExt;
@@ -76,7 +76,7 @@ impl Device {
         Ok(Device(owned.into()))
     }
 
-    /// Waits until there is room for some bytes, or a request to stop.
+    /// Waits until there is room for some bytes, or returns an error on a request to stop.
     #[cfg(unix)]
     fn wait(&self) -> io::Result<()> {
         use rustix::event::{PollFd, PollFlags, Timespec, poll};

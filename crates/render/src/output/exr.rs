@@ -1,8 +1,8 @@
 //! Samples as an OpenEXR image with the channels of the question (such as `time` in s; `+inf` for
-//! unflipped and failed, `nan` for forbidden), `height` where the question asks for a time (the natural
-//! logarithm of the time, or of the budget where there is no time, so that it is finite everywhere),
-//! `status` (0 unflipped, 1 flipped or answered, 2 forbidden, 3 failed) and `uncertain` (0 or 1), all
-//! f32, row 0 at the top.
+//! unflipped and failed, `nan` for forbidden), `height` if the question asks for a time (the
+//! natural logarithm of the time, or of the budget where there is no time, so it is finite
+//! everywhere), `status` (0 unflipped, 1 flipped or answered, 2 forbidden, 3 failed) and
+//! `uncertain` (0 or 1), all f32, row 0 at the top.
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::slice::from_ref;
@@ -23,13 +23,14 @@ use flipmap_scene::{Document, QuestionSettings};
 enum Column {
     /// A channel of the question, by its index.
     Value(usize),
-    /// The logarithm of the time; the largest one where there is no time.
+    /// The natural logarithm of the time. The field, that of the budget, is its upper limit, and
+    /// its value where there is no time.
     Height(f32),
     Status,
     Uncertain,
 }
 
-/// The channels of a question's image in the order of the file, which is alphabetical.
+/// Returns the channels of a question's image in the order of the file, which is alphabetical.
 fn columns_of(question: &QuestionSettings) -> Vec<(&'static str, Column)> {
     let ask = question.ask;
     let channels = ask.kind().channels.iter().enumerate();
@@ -43,7 +44,7 @@ fn columns_of(question: &QuestionSettings) -> Vec<(&'static str, Column)> {
 }
 
 /// Longest row in pixels that is compressed together with others, sixteen at a time. Longer rows
-/// exceed what the compressor looks back over, so that several would only cost memory.
+/// exceed the compressor's window, so joining them would only cost memory.
 const SHORT_ROW: u32 = 1 << 14;
 
 /// Writes blocks of rows as the samples come, and at the end the table of the blocks' offsets.
@@ -52,7 +53,7 @@ pub(crate) struct ExrWriter<W: Write + Seek> {
     header: Header,
     /// File offset of the table of the blocks' offsets.
     table_at: u64,
-    /// File offset of each block that is written.
+    /// File offsets of the blocks written so far.
     places: Vec<u64>,
     /// File offset of the next block.
     end: u64,
@@ -65,7 +66,7 @@ pub(crate) struct ExrWriter<W: Write + Seek> {
 }
 
 impl<W: Write + Seek> ExrWriter<W> {
-    /// Begins a `size` image that carries `document`, at the beginning of a file.
+    /// Begins a `size` image that carries `document`, at the start of a file.
     pub(crate) fn new(mut out: W, size: [u32; 2], document: &Document) -> io::Result<Self> {
         let header = header(size, document);
         let mut bytes = Vec::new();
@@ -162,7 +163,7 @@ impl<W: Write + Seek> ExrWriter<W> {
     }
 }
 
-/// The header of an image: its channels and how they are encoded.
+/// Returns the header of an image: its channels and how they are encoded.
 fn header(size: [u32; 2], document: &Document) -> Header {
     let columns = columns_of(&document.question);
     let channels =
@@ -184,7 +185,8 @@ fn begin(bytes: &mut Vec<u8>, header: &Header) -> exr::error::UnitResult {
     Header::write_all(from_ref(header), bytes, false)
 }
 
-/// Converts an error of the encoder, which writes nothing itself, so that all errors are its own.
+/// Converts an error of the encoder, which only writes to memory, so it is never an error of the
+/// file.
 fn cause(error: Error) -> io::Error {
     io::Error::other(error)
 }
@@ -211,7 +213,7 @@ mod tests {
         samples
     }
 
-    /// The file of an image that is written `part` samples at a time.
+    /// Returns the file of an image that is written `part` samples at a time.
     fn written(size: [u32; 2], samples: &Samples, part: usize) -> Vec<u8> {
         let out = Cursor::new(Vec::new());
         let mut writer = ExrWriter::new(out, size, &Document::default()).unwrap();
@@ -238,7 +240,7 @@ mod tests {
         found.sample_data.values_as_f32().collect()
     }
 
-    /// The same image by the library's own writer, which needs all of it at once.
+    /// Returns the same image from the library's own writer, which needs all of it at once.
     fn by_the_library(size: [u32; 2], samples: &Samples, compression: Compression) -> Vec<u8> {
         let values = |value: &dyn Fn(usize) -> f32| (0..samples.len()).map(value).collect();
         let most = (Document::default().question.budget.secs as f32).ln();

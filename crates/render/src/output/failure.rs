@@ -1,4 +1,4 @@
-//! Errors between samples and files, and any error as one sentence.
+//! Errors on the way from samples to files, and the text of any error as one sentence.
 
 use std::error::Error;
 use std::io;
@@ -11,7 +11,7 @@ use flipmap_scene::SceneError;
 /// Reasons why a file could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
-    /// A file that could not be begun.
+    /// A file that could not be created.
     #[error("`{setting}`: cannot write {name}")]
     Create {
         /// The setting that named the file.
@@ -21,7 +21,7 @@ pub enum OutputError {
         /// The cause.
         source: io::Error,
     },
-    /// A file that could not be written or put in its place.
+    /// A file that could not be written or renamed to its destination.
     #[error("cannot write {name}")]
     Write {
         /// The destination.
@@ -48,12 +48,13 @@ pub enum RenderError {
     Stopped,
 }
 
-/// An error and its causes, outermost first.
+/// Iterates over an error and its causes, outermost first.
 fn causes<'a>(error: &'a (dyn Error + 'static)) -> impl Iterator<Item = &'a (dyn Error + 'static)> {
     std::iter::successors(Some(error), |cause| (*cause).source())
 }
 
-/// The causes as one sentence, outermost first, each only once: some libraries repeat their source.
+/// Returns an error and its causes as one sentence, outermost first. Adjacent repetitions are
+/// dropped, because some libraries repeat their source.
 pub fn sentence(error: &(dyn Error + 'static)) -> String {
     let mut causes: Vec<String> = causes(error).map(ToString::to_string).collect();
     causes.dedup();

@@ -1,4 +1,4 @@
-//! Gradient files of other programs as palettes of ours.
+//! Reads gradient files of other programs as palettes.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -27,13 +27,13 @@ pub enum GradientError {
     },
 }
 
-/// The ending of a gradient file's name; none for other files.
+/// Returns the extension of a gradient file; `None` for other files.
 fn ending_of(path: &Path) -> Option<&'static str> {
     let found = path.extension()?;
     ENDINGS.into_iter().find(|ending| found.eq_ignore_ascii_case(ending))
 }
 
-/// The palette of a gradient file, as scenes name it; none for files of other kinds.
+/// Reads a gradient file as the text of a palette in a scene; `None` for files of other kinds.
 pub fn read_gradient(path: &Path) -> Option<Result<String, GradientError>> {
     let ending = ending_of(path)?;
     let read = || {

@@ -1,4 +1,4 @@
-//! A legend in the corner of a picture: what its colours mean, with units.
+//! A legend in the corner of a picture, which explains its colours, with units.
 
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 
@@ -11,13 +11,13 @@ use flipmap_scene::question::QuestionName;
 
 /// The font of all words.
 const FONT: &[u8] = epaint_default_fonts::HACK_REGULAR;
-/// Smallest height of letters, and the share of the picture's height that they have in larger ones,
-/// in pixels.
+/// Smallest height of letters in pixels; in tall pictures it is `LETTER_SHARE` of the picture's
+/// height.
 const MIN_LETTER: f32 = 11.0;
 const LETTER_SHARE: f32 = 1.0 / 50.0;
-/// Number of letters that the bar is long.
+/// Length of the bar in letters.
 const BAR_LETTERS: f32 = 34.0;
-/// Share of the picture's colour that shines through the ground.
+/// Share of the picture's colour that shows through the legend's background.
 const SHINE: f32 = 0.3;
 /// Colour of the words.
 const INK: Rgb = [0xff; 3];
@@ -33,8 +33,8 @@ pub struct Legend {
 }
 
 impl Legend {
-    /// The legend of the answers to a question, in the lower left corner of a picture of `size`
-    /// pixels; refuses a picture with too little room.
+    /// Creates the legend of the answers to a question, in the lower left corner of a picture of
+    /// `size` pixels; refuses a picture with too little room.
     pub(crate) fn new(
         colours: &AnswerColours,
         ask: QuestionName,
@@ -51,7 +51,8 @@ impl Legend {
         sheet.placed(size)
     }
 
-    /// Lays the legend over a whole picture `width` pixels wide, three bytes a pixel, rows from the top.
+    /// Lays the legend over a whole picture `width` pixels wide, three bytes a pixel, rows from the
+    /// top.
     pub(crate) fn lay_over(&self, rgb: &mut [u8], width: u32) {
         for (row, bytes) in (0..).zip(rgb.chunks_mut(3 * width as usize)) {
             for (column, pixel) in (0..).zip(bytes.as_chunks_mut::<3>().0) {
@@ -60,7 +61,7 @@ impl Legend {
         }
     }
 
-    /// The picture's colour at a pixel with the legend over it.
+    /// Returns the picture's colour at a pixel with the legend laid over it.
     pub(super) fn over(&self, tint: Tint, column: u32, row: u32) -> Tint {
         let [x, y] = [column.wrapping_sub(self.corner[0]), row.wrapping_sub(self.corner[1])];
         if x >= self.size[0] || y >= self.size[1] {
@@ -71,7 +72,7 @@ impl Legend {
     }
 }
 
-/// Letters of a value beside which there is no room for those of the quarters.
+/// Longest value, in letters, that leaves room for values at the quarters of the bar.
 const LONG: usize = 5;
 /// Colour of the frames around colours that may be as dark as the legend.
 const FRAME: Rgb = [0x90; 3];
@@ -81,7 +82,7 @@ struct Sheet {
     letter: f32,
     width: u32,
     rows: Vec<Vec<(Rgb, f32)>>,
-    /// Upper edge of what comes next.
+    /// Upper edge of the next element.
     next: f32,
 }
 
@@ -91,7 +92,7 @@ impl Sheet {
         Sheet { letter, width, rows: Vec::new(), next: 0.6 * letter }
     }
 
-    /// Left edge of everything, and the length of the bar.
+    /// Returns the left edge of everything.
     fn left(&self) -> f32 {
         1.2 * self.letter
     }
@@ -111,7 +112,7 @@ impl Sheet {
         self.rows[y as usize].get_mut(x as usize)
     }
 
-    /// Fills a rectangle with a colour that depends on the place in it, each from 0 to 1, y up.
+    /// Fills a rectangle. `colour` takes the place in it, from 0 to 1 along both axes, y up.
     fn fill(&mut self, corner: [f32; 2], size: [f32; 2], colour: impl Fn([f64; 2]) -> Rgb) {
         let [columns, rows] = size.map(|side| side.round() as u32);
         for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {

@@ -8,7 +8,7 @@ pub(super) struct LitRows {
     /// Samples in a row.
     across: usize,
     rows_left: u32,
-    /// Heights of the row above those that wait; none above the first row.
+    /// Heights of the row above those that wait; empty at the first row.
     above: Vec<f32>,
     /// Colours and heights of the rows that wait.
     tints: Vec<Tint>,
@@ -16,15 +16,15 @@ pub(super) struct LitRows {
 }
 
 impl LitRows {
-    /// The rows of a picture of `size` samples.
+    /// Creates the rows of a picture of `size` samples.
     pub(super) fn new(relief: Relief, size: [u32; 2]) -> Self {
         let (across, rows_left) = (size[0] as usize, size[1]);
         let (above, tints, heights) = (Vec::new(), Vec::new(), Vec::new());
         LitRows { relief, across, rows_left, above, tints, heights }
     }
 
-    /// Takes the next samples and returns those that can be lit now. Heights that are no numbers are
-    /// not lit, nor are their neighbours.
+    /// Takes the next samples and returns those that can be lit now. A sample whose height is NaN
+    /// stays unlit, as do its neighbours.
     pub(super) fn light(
         &mut self,
         tints: impl Iterator<Item = Tint>,
@@ -33,7 +33,7 @@ impl LitRows {
         self.tints.extend(tints);
         self.heights.extend(heights);
         let rows = self.heights.len() / self.across;
-        // The last row of the picture has none below it to wait for.
+        // The last row of the picture waits for no row below it.
         let rows = if rows == self.rows_left as usize { rows } else { rows.saturating_sub(1) };
         let lit = (0..rows).flat_map(|row| self.row(row)).collect();
         if rows > 0 {
@@ -45,7 +45,7 @@ impl LitRows {
         lit
     }
 
-    /// Lights a row of those that wait.
+    /// Lights one of the waiting rows.
     fn row(&self, row: usize) -> Vec<Tint> {
         let row_of = |row: usize| self.heights.get(row * self.across..(row + 1) * self.across);
         let before = Some(&*self.above).filter(|above| !above.is_empty());
@@ -59,7 +59,7 @@ impl LitRows {
     }
 }
 
-/// A colour with this factor of its light, as far as there is a brighter one.
+/// Multiplies the light of a colour by a factor, up to the brightest colour.
 fn brighter(tint: Tint, factor: f32) -> Tint {
     if factor == 1.0 {
         return tint;

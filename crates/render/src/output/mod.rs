@@ -1,8 +1,8 @@
-//! Writing samples to files: pictures, arrays, and the safety of what was there before.
+//! Writes samples to files: pictures, arrays and tables, without risk to earlier files.
 //!
 //! Every regular file is written beside its destination and renamed onto it when it is complete, so
-//! that a failure or an interruption leaves what was there. All are written as rows of samples
-//! come, and only a few rows are held: pictures can be larger than memory.
+//! a failure or an interruption leaves the earlier file as it was. Rows are written as their
+//! samples come, and only a few are held: pictures can be larger than memory.
 
 pub mod compare;
 mod comparison;

@@ -1,4 +1,4 @@
-//! The moments at which an orbit comes nearest to its start, found on its expansions.
+//! Finds the times at which an orbit comes nearest to its start, on its Taylor expansions.
 
 use super::trace_channels::reduced_phase;
 use flipmap_numbers::Dd;
@@ -16,12 +16,14 @@ pub(super) struct ReturnSearch {
     pendulum: Pendulum<f64>,
     unit_secs: f64,
     start: Phase<f64>,
-    /// Times (s) at which the distance is least, after the start was left, and the distances.
+    /// Times (s) of the minima of the distance after the orbit has left its start, and the
+    /// distances.
     minima: Vec<[f64; 2]>,
 }
 
 impl ReturnSearch {
-    /// A search for returns to `start`; the pendulum in reduced units, and its unit of time in s.
+    /// Begins a search for returns to `start`. The pendulum is in reduced units; `unit_secs` is its
+    /// unit of time in s.
     pub(super) fn new(pendulum: Pendulum<f64>, unit_secs: f64, start: Phase<f64>) -> Self {
         ReturnSearch { pendulum, unit_secs, start, minima: Vec::new() }
     }
@@ -44,7 +46,8 @@ impl ReturnSearch {
         }
     }
 
-    /// The distance of the nearest return so far, and its time in s; NaN before the first.
+    /// Returns the distance of the nearest return up to `secs` and its time in s; NaN before the
+    /// first.
     pub(super) fn nearest(&self, secs: f64) -> [f64; 2] {
         let so_far = self.minima.iter().filter(|[time, _]| *time <= secs);
         let nearest = so_far.min_by(|a, b| a[1].total_cmp(&b[1]));
@@ -59,7 +62,7 @@ impl ReturnSearch {
         self.pendulum.momentum_scale().map(|scale| 1.0 / scale)
     }
 
-    /// Half the rate of change of the squared distance.
+    /// Returns half the rate of change of the squared distance.
     fn receding(&self, step: &TaylorStep<Dd>, tau: f64) -> f64 {
         let phase = self.phase(step, tau);
         let rate = self.pendulum.derivative(&phase);

@@ -16,7 +16,7 @@ pub struct NpyWriter<W: Write> {
 }
 
 impl<W: Write> NpyWriter<W> {
-    /// Writes the header of an array of `size` pixels that holds these channels of the question.
+    /// Writes the header of an array that holds these channels of the question for each pixel.
     pub fn new(mut out: W, [width, height]: [u32; 2], channels: Range<usize>) -> io::Result<Self> {
         let shape = match channels.len() {
             1 => format!("({height}, {width})"),
@@ -52,7 +52,8 @@ impl<W: Write> NpyWriter<W> {
 const MAX_CHANNELS: u32 = 64;
 
 /// Reads width, height and number of channels of an array of f64 from its header; the error is a
-/// phrase. Only headers with these very keys and values will do: others change what the numbers mean.
+/// phrase. Only the keys and values that NumPy writes for such arrays are accepted: others change
+/// what the numbers mean.
 pub(super) fn npy_shape(file: &mut impl Read) -> Result<([u32; 2], usize), &'static str> {
     let cut = |_| "it ends within its header";
     let mut head = [0; 10];
@@ -84,7 +85,7 @@ pub(super) fn npy_shape(file: &mut impl Read) -> Result<([u32; 2], usize), &'sta
     }
 }
 
-/// The axes of a shape such as `(5, 7)`, of which the first two are those of a picture.
+/// Reads the axes of a shape such as `(5, 7)`; `None` if the first two are not those of a picture.
 fn axes(shape: &str) -> Option<Vec<u32>> {
     let inside = shape.strip_prefix('(')?.strip_suffix(')')?.trim();
     let inside = inside.strip_suffix(',').unwrap_or(inside);
@@ -93,7 +94,8 @@ fn axes(shape: &str) -> Option<Vec<u32>> {
     axes.filter(|axes| axes.iter().take(2).all(fits))
 }
 
-/// The keys of a dictionary as Python writes it, each once, with the texts of their values.
+/// Reads the keys of a Python dictionary and the texts of their values; `None` if a key occurs
+/// twice.
 fn dictionary(text: &str) -> Option<BTreeMap<&str, &str>> {
     let mut rest = text.trim().strip_prefix('{')?.trim_start();
     let mut found = BTreeMap::new();
@@ -114,7 +116,7 @@ fn dictionary(text: &str) -> Option<BTreeMap<&str, &str>> {
     (rest == "}").then_some(found)
 }
 
-/// The value at the beginning of a text, a string, a tuple or a word, and what follows it.
+/// Splits off the value at the beginning of a text: a string, a tuple or a word.
 fn split_value(text: &str) -> Option<(&str, &str)> {
     let length = match text.chars().next()? {
         quote @ ('\'' | '"') => text[1..].find(quote)? + 2,

@@ -1,5 +1,5 @@
-//! Tests for two paths to one file: nothing that is read is replaced, and nothing is written twice at
-//! once.
+//! Tests whether two paths lead to one file, so that no input is overwritten and no output is
+//! written twice at once.
 
 use std::path::{Path, PathBuf};
 
@@ -16,8 +16,8 @@ pub fn is_one_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Returns true if a path leads to standard output: `-`, /dev/stdout, or the file or pipe that standard
-/// output is.
+/// Returns true if a path leads to standard output: `-`, /dev/stdout, or the file or pipe that
+/// standard output is.
 pub fn is_stdout(path: &Path) -> bool {
     let names = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
     names.iter().any(|name| path == Path::new(name)) || is_file_of_stdout(path)
@@ -45,7 +45,7 @@ fn is_device(path: &Path) -> bool {
     !path.is_file() && !path.is_dir()
 }
 
-/// The place of a file that need not exist: its folder without links, and its name.
+/// Returns the place of a file that need not exist: its folder without links, and its name.
 fn place(path: &Path) -> PathBuf {
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     match (whole.parent().and_then(|folder| folder.canonicalize().ok()), whole.file_name()) {

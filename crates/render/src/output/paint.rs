@@ -1,5 +1,5 @@
-//! The colours of samples: the palette, the light on them, the mean of several samples per pixel, the
-//! energy curve, the legend.
+//! Colours samples: palette, light from the side, mean of several samples per pixel, energy curve,
+//! legend.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -25,18 +25,19 @@ pub struct RowPainter {
     legend: Option<Legend>,
     lit: Option<LitRows>,
     samples_along: u32,
-    /// The pixels, if the samples that come are those of their corners.
+    /// The pixels, if the samples to be painted are those of their corners.
     corners: Option<CornerRows>,
     grid: Grid,
     next_row: u32,
     /// Samples of a row of pixels that is not yet complete.
     pending: Vec<Tint>,
-    /// The pixels painted last, whose memory the next ones use.
+    /// The pixels painted last; their memory is reused for the next ones.
     fresh: Vec<Tint>,
 }
 
 impl RowPainter {
-    /// A painter of a `size` picture of a checked scene; refuses a table that cannot be used.
+    /// Creates a painter of a `size` picture of a checked scene; refuses settings that cannot be
+    /// painted.
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
         let colours = AnswerColours::new(scene, picture)?;
         let legend = || Legend::new(&colours, scene.question.ask, size);
@@ -59,19 +60,20 @@ impl RowPainter {
         })
     }
 
-    /// Paints pixels whose middles are known, and whose corners are the samples that come.
+    /// Takes the pixels with known middles; all samples that follow are those of their corners.
     pub(crate) fn paint_corners(&mut self, plain: Arc<PlainPixels>) {
         self.corners = Some(CornerRows::new(plain, self.grid.size()[0] as usize));
     }
 
-    /// Paints the next rows of samples as rows of RGB bytes; they come out when they are complete (see
+    /// Paints the next samples and returns the pixels of finished rows as RGB bytes (see
     /// [`RowPainter::tints`]).
     pub fn paint(&mut self, samples: &Samples) -> Vec<u8> {
         self.tints(samples, 0..samples.len()).iter().copied().flat_map(rounded).collect()
     }
 
-    /// Paints the samples at `places`, which are the next ones. With several samples per pixel, a row
-    /// comes out when it is complete, and with light from the side, when the row below it has come.
+    /// Paints the next samples, those at `places`, and returns the pixels of finished rows. If
+    /// pixels have several samples, a row is finished when all have come; under light from the
+    /// side, the row below it must have come, too.
     pub(crate) fn tints(&mut self, samples: &Samples, places: Range<usize>) -> &[Tint] {
         let mut fresh = std::mem::take(&mut self.fresh);
         self.colour(samples, places.clone(), &mut fresh);
@@ -92,7 +94,7 @@ impl RowPainter {
         &self.fresh
     }
 
-    /// The colours of samples.
+    /// Writes the colours of samples to `tints`.
     fn colour(&self, samples: &Samples, places: Range<usize>, tints: &mut Vec<Tint>) {
         let tint = |k| self.colours.tint(samples.get(k).status, samples.values(k));
         places.into_par_iter().with_min_len(SHARE).map(tint).collect_into_vec(tints);
@@ -106,7 +108,7 @@ impl RowPainter {
         }
     }
 
-    /// The colours of pixels of which these are the next samples, once a row of them is complete.
+    /// Takes the colours of the next samples, and returns those of the pixels of complete rows.
     fn gathered(&mut self, mut samples: Vec<Tint>) -> Vec<Tint> {
         let along = self.samples_along as usize;
         let row_samples = self.grid.size()[0] as usize * along * along;
@@ -118,8 +120,8 @@ impl RowPainter {
         if along > 1 { self.averaged(&samples) } else { samples }
     }
 
-    /// The colours of pixels whose corners have these colours. Light from the side falls on a landscape
-    /// of the middles, of which each pixel has one.
+    /// Returns the colours of pixels, given those of their corners. Light from the side uses the
+    /// heights of the middles, of which each pixel has one.
     fn mixed(&mut self, corners: &mut CornerRows, tints: &[Tint]) -> Vec<Tint> {
         let (first, mut pixels) = corners.mixed(tints);
         let places = first..first + pixels.len();
@@ -127,7 +129,7 @@ impl RowPainter {
         pixels
     }
 
-    /// The mean colours of the samples of each pixel of whole rows.
+    /// Returns the mean colour of the samples of each pixel, for whole rows.
     fn averaged(&self, samples: &[Tint]) -> Vec<Tint> {
         let (width, along) = (self.grid.size()[0] as usize, self.samples_along as usize);
         let mut pixels = vec![Tint::default(); samples.len() / (along * along)];
@@ -157,7 +159,7 @@ impl RowPainter {
         });
     }
 
-    /// The colour of a pixel under the energy curve and the legend.
+    /// Returns the colour of a pixel under the energy curve and the legend.
     fn with_marks(&self, tint: Tint, [column, row]: [u32; 2], curve: Option<&CurveBand>) -> Tint {
         let tint = match curve.map_or(0.0, |band| band.cover(&self.grid, column, row)) {
             0.0 => tint,
@@ -173,7 +175,7 @@ impl RowPainter {
 /// Number of samples that a thread colours at a time.
 const SHARE: usize = 1 << 12;
 
-/// The height of a sample in the landscape of times; NaN without a time.
+/// Returns the height of a sample in the landscape of times; NaN without a time.
 fn height(colours: &AnswerColours, samples: &Samples, index: usize) -> f32 {
     match colours.times() {
         Some((channel, tones)) if samples.get(index).status == Status::Answered => {
@@ -183,17 +185,17 @@ fn height(colours: &AnswerColours, samples: &Samples, index: usize) -> f32 {
     }
 }
 
-/// The colour of which `above` covers a share.
+/// Returns the colour of `below` under a share `cover` of `above`.
 pub(crate) fn blended(below: Rgb, above: Rgb, cover: f64) -> Rgb {
     rounded(mixed(tint_of(below), tint_of(above), cover as f32))
 }
 
-/// The tint of which `above` covers a share.
+/// Returns the tint of `below` under a share `cover` of `above`.
 pub(super) fn mixed(below: Tint, above: Tint, cover: f32) -> Tint {
     [0, 1, 2].map(|i| below[i] + (above[i] - below[i]) * cover)
 }
 
-/// The mean colour of `along` × `along` samples from index `first` on, in linear light.
+/// Returns the mean colour of `along` × `along` samples from index `first` on, in linear light.
 fn mean(row: &[Tint], stride: usize, first: usize, along: usize) -> Tint {
     let mut sum = [0.0; 3];
     for j in 0..along {

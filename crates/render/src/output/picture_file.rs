@@ -1,4 +1,4 @@
-//! A picture in the format of its file's name.
+//! Pictures in the format that the name of their file asks for.
 //!
 //! PNG carries the scene and is written row by row; JPEG, WebP and TIFF are encoded as a whole.
 
@@ -14,8 +14,8 @@ use flipmap_scene::Document;
 /// JPEG quality, 1 to 100: high, because a map is full of thin filaments.
 const JPEG_QUALITY: u8 = 95;
 
-/// The format that the ending of a picture's name asks for; `None` for PNG, which is also the
-/// format of names without a known ending.
+/// Returns the format that the extension of a picture's name asks for; `None` for PNG, which is
+/// also the format of names without a known extension.
 pub(super) fn format_of(path: &Path) -> io::Result<Option<ImageFormat>> {
     match ImageFormat::from_path(path) {
         Err(_) | Ok(ImageFormat::Png) => Ok(None),
@@ -26,7 +26,7 @@ pub(super) fn format_of(path: &Path) -> io::Result<Option<ImageFormat>> {
     }
 }
 
-/// Refuses a name whose format has no sixteen bits a channel.
+/// Refuses a name whose format cannot hold sixteen bits a channel.
 pub(super) fn check_depth(path: &Path) -> io::Result<()> {
     match format_of(path)? {
         Some(format @ (ImageFormat::Jpeg | ImageFormat::WebP)) => {
@@ -38,7 +38,7 @@ pub(super) fn check_depth(path: &Path) -> io::Result<()> {
     }
 }
 
-/// The longest side that a format can hold, in pixels.
+/// Returns the longest side that a format can hold, in pixels.
 fn longest_side(format: ImageFormat) -> u32 {
     match format {
         ImageFormat::Jpeg => 65_535,
@@ -57,7 +57,7 @@ enum Encoding {
 
 impl PictureFile {
     /// Begins a picture of `size` pixels and eight bits a channel; a PNG carries the document, if
-    /// there is one. Refuses a name of another format, a file that cannot be created, and a size that
+    /// there is one. Refuses an unsupported format, a file that cannot be created, and a size that
     /// the format cannot hold.
     pub fn create(path: &Path, size: [u32; 2], document: Option<&Document>) -> io::Result<Self> {
         let format = format_of(path)?;
@@ -71,7 +71,8 @@ impl PictureFile {
         }))
     }
 
-    /// Begins a picture of sixteen bits a channel, as [`PictureFile::create`] does one of eight.
+    /// Begins a picture of sixteen bits a channel, and otherwise works like
+    /// [`PictureFile::create`].
     pub(crate) fn create_deep(
         path: &Path,
         size: [u32; 2],
@@ -86,7 +87,7 @@ impl PictureFile {
         }))
     }
 
-    /// Adds the next rows, three bytes per pixel, or six with the high one of each channel first.
+    /// Adds the next rows, three bytes per pixel, or six with each channel's high byte first.
     pub fn write(&mut self, rgb: &[u8]) -> io::Result<()> {
         match &mut self.0 {
             Encoding::ByRows(png) => png.write(rgb).map_err(as_io),
@@ -97,7 +98,7 @@ impl PictureFile {
         }
     }
 
-    /// Completes the picture; the file is not in its place until it is finished too.
+    /// Completes the picture; [`SafeFile::finish`] then renames the file to its destination.
     pub fn complete(self) -> io::Result<SafeFile> {
         let mut file = match self.0 {
             Encoding::ByRows(png) => png.finish().map_err(as_io)?,
@@ -108,7 +109,7 @@ impl PictureFile {
     }
 }
 
-/// The error of the file below a PNG that is written.
+/// Converts an error of a PNG that is being written; an error of its file stays as it is.
 fn as_io(error: PngError) -> io::Error {
     match error {
         PngError::File(error) => error,
@@ -141,7 +142,7 @@ impl WholePicture {
     fn encode(mut self) -> io::Result<SafeFile> {
         let color = if self.deep { ExtendedColorType::Rgb16 } else { ExtendedColorType::Rgb8 };
         if self.deep {
-            // The encoder takes numbers as the machine has them.
+            // The encoder takes numbers in the machine's byte order.
             for channel in self.rgb.as_chunks_mut::<2>().0 {
                 *channel = u16::from_be_bytes(*channel).to_ne_bytes();
             }

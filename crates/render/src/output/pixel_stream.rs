@@ -1,25 +1,26 @@
-//! The pixels of a PNG as one zlib stream, whose blocks are compressed apart.
+//! Compresses the pixels of a PNG into one zlib stream, in separate blocks.
 //!
-//! A stream of deflate (RFC 1951) that is flushed ends at a whole byte, and an encoder can be told what
-//! came before its own bytes. So blocks of rows are compressed on all cores, as M. Adler's *pigz* does,
-//! and joined in their order between the head and the sum of zlib (RFC 1950).
+//! A deflate stream (RFC 1951) that is flushed ends at a whole byte, and an encoder can be given
+//! the bytes that precede its own. So blocks of rows are compressed on all cores, as M. Adler's
+//! *pigz* does, and joined in order between the header and the checksum of zlib (RFC 1950).
 
 use flate2::{Compress, Compression, FlushCompress};
 use rayon::prelude::*;
 use simd_adler32::Adler32;
 
-/// Level of compression. Maps are flat areas of few colours, which filters break up: without them
-/// this level takes a third of the time of the usual one with filters, for files of about the same size.
+/// Level of compression. Maps consist of flat areas of few colours, which filters break up: without
+/// filters, this level takes a third of the time of the usual level with filters, for files of
+/// about the same size.
 const LEVEL: u32 = 3;
-/// Least size of a block in bytes.
+/// Smallest size of a block in bytes.
 const BLOCK_BYTES: usize = 1 << 18;
 /// Number of bytes before a block that it may refer to.
 const WINDOW_BYTES: usize = 1 << 15;
-/// The head of a stream: deflate with a window of 32 KiB, packed quickly.
+/// The header of a zlib stream: deflate with a window of 32 KiB, fastest compression.
 const HEAD: [u8; 2] = [0x78, 0x01];
-/// An empty block that says that it is the last.
+/// An empty block that is marked as the last.
 const LAST: [u8; 2] = [0x03, 0x00];
-/// The filter before each row: none.
+/// The filter type before each row, 0 for unfiltered.
 const UNFILTERED: u8 = 0;
 
 /// The pixels of a picture, compressed as they come.
@@ -28,22 +29,23 @@ pub(super) struct PixelStream {
     row_bytes: usize,
     /// Size of a block in bytes: whole rows with their filters.
     block_bytes: usize,
-    /// Rows with their filters: the last packed bytes, then what is no whole block yet.
+    /// Rows with their filters: the last bytes that were compressed, then those that do not fill a
+    /// block yet.
     rows: Vec<u8>,
-    /// Number of those bytes that are packed.
+    /// Number of bytes at the front of `rows` that are already compressed.
     packed: usize,
     sum: Adler32,
 }
 
 impl PixelStream {
-    /// The stream of a picture with rows of `row_bytes` bytes, and its head.
+    /// Begins the stream of a picture with rows of `row_bytes` bytes, and also returns its header.
     pub(super) fn begin(row_bytes: usize) -> (Self, [u8; 2]) {
         let block_bytes = BLOCK_BYTES.next_multiple_of(row_bytes + 1);
         let (rows, sum) = (Vec::new(), Adler32::new());
         (PixelStream { row_bytes, block_bytes, rows, packed: 0, sum }, HEAD)
     }
 
-    /// Takes the next whole rows and returns the blocks that they complete, packed.
+    /// Takes the next whole rows and returns the compressed blocks that they complete.
     pub(super) fn pack(&mut self, rows: &[u8]) -> Vec<Vec<u8>> {
         assert!(rows.len().is_multiple_of(self.row_bytes), "rows come whole");
         for row in rows.chunks(self.row_bytes) {
@@ -63,7 +65,7 @@ impl PixelStream {
         blocks
     }
 
-    /// Returns the last block, packed, and the end of the stream.
+    /// Returns the last block, compressed, and the end of the stream.
     pub(super) fn end(mut self) -> Vec<u8> {
         self.sum.write(&self.rows[self.packed..]);
         let last = packed(&mut packer(), &self.rows, self.packed);
@@ -71,12 +73,12 @@ impl PixelStream {
     }
 }
 
-/// An encoder of blocks.
+/// Creates an encoder of blocks.
 fn packer() -> Compress {
     Compress::new(Compression::new(LEVEL), false)
 }
 
-/// The bytes from `first` on as deflate, up to a whole byte.
+/// Compresses the bytes from `first` on with deflate, up to a whole byte.
 fn packed(packer: &mut Compress, bytes: &[u8], first: usize) -> Vec<u8> {
     packer.reset();
     let (before, block) = bytes.split_at(first);
@@ -90,7 +92,7 @@ fn packed(packer: &mut Compress, bytes: &[u8], first: usize) -> Vec<u8> {
         packer
             .compress_vec(rest, &mut packed_bytes, FlushCompress::Sync)
             .expect("an encoder at its beginning");
-        // Room that is left means that all has been flushed.
+        // Room left in the buffer means that everything has been flushed.
         if packed_bytes.len() < packed_bytes.capacity() {
             return packed_bytes;
         }
@@ -104,7 +106,7 @@ mod tests {
 
     use super::*;
 
-    /// The rows that a stream holds.
+    /// Returns the rows that a stream holds.
     fn unpacked(stream: &[u8]) -> Vec<u8> {
         let mut rows = Vec::new();
         flate2::read::ZlibDecoder::new(stream).read_to_end(&mut rows).unwrap();
@@ -114,7 +116,7 @@ mod tests {
     #[test]
     fn rows_come_back_and_their_pieces_change_no_byte() {
         let row_bytes = 3 * 1000;
-        // A smooth part, and one that does not pack at all.
+        // A smooth part, and one that cannot be compressed.
         let value =
             |k: u32| if k < 600_000 { k / 7000 } else { k.wrapping_mul(2_654_435_761) >> 13 };
         let rows: Vec<u8> = (0..450 * row_bytes as u32).map(|k| value(k) as u8).collect();

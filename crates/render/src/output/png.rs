@@ -1,4 +1,4 @@
-//! PNG files written row by row with the scene inside, and the scene read back from one.
+//! Writes PNG files row by row with the scene inside, and reads the scene back.
 
 use std::io::{self, BufRead, Seek, Write};
 
@@ -23,7 +23,7 @@ pub enum PngError {
     /// A PNG by some other program.
     #[error("is a PNG, but flipmap did not write it: it has no '{KEYWORD}' text")]
     Foreign,
-    /// A picture larger than is read here.
+    /// A picture with a longer side than the reader accepts.
     #[error("is {side} pixels long; at most {longest_side} are read here")]
     Large {
         /// The side that is too long, in pixels.
@@ -31,13 +31,13 @@ pub enum PngError {
         /// The longest side that is read, in pixels.
         longest_side: u32,
     },
-    /// A text of ours that is not a scene.
+    /// A text chunk of flipmap's that holds no scene.
     #[error("has a damaged '{KEYWORD}' text: {0}")]
     Text(#[from] flipmap_scene::DocumentError),
 }
 
-/// Writes RGB rows as they come, of eight bits a channel or sixteen. Blocks of rows are compressed on
-/// all cores; a file does not depend on their number, nor on how its rows come.
+/// Writes RGB rows of eight or sixteen bits a channel as they come. Blocks of rows are compressed
+/// on all cores; a file depends neither on their number nor on how many rows come at a time.
 pub struct PngWriter<W: Write> {
     out: W,
     pixels: PixelStream,
@@ -75,7 +75,7 @@ impl<W: Write> PngWriter<W> {
         encoder.set_depth(depth);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         let texted = text.map_or(Ok(()), |text| encoder.add_itxt_chunk(KEYWORD.to_string(), text));
-        // An encoder that is dropped ends its file.
+        // Dropping the encoder writes the chunk that ends the file.
         texted.and_then(|()| encoder.write_header().map(drop)).map_err(io::Error::from)?;
         let end = head.split_off(head.len() - END_BYTES);
         out.write_all(&head)?;
@@ -86,7 +86,7 @@ impl<W: Write> PngWriter<W> {
         Ok(PngWriter { out, pixels, missing: row_bytes * height as usize, end })
     }
 
-    /// Writes the next rows, three bytes per pixel, or six with the high one of each channel first.
+    /// Writes the next rows, three bytes per pixel, or six with each channel's high byte first.
     pub fn write(&mut self, rgb: &[u8]) -> Result<(), PngError> {
         let missing = self.missing.checked_sub(rgb.len());
         self.missing = missing.ok_or_else(|| io::Error::other("the picture has fewer rows"))?;
@@ -107,7 +107,7 @@ impl<W: Write> PngWriter<W> {
     }
 }
 
-/// Writes a chunk of packed pixels.
+/// Writes a chunk of compressed pixels.
 fn write_pixels(out: &mut impl Write, packed: &[u8]) -> io::Result<()> {
     let name = b"IDAT";
     let mut sum = crc32fast::Hasher::new();
@@ -130,8 +130,8 @@ pub struct Picture {
     pub rgb: Vec<u8>,
 }
 
-/// Reads the document inside a PNG that flipmap wrote. The whole file is read, so that one that was
-/// cut short is not taken for a picture.
+/// Reads the document inside a PNG that flipmap wrote. The whole file is read, so a truncated one
+/// is refused.
 pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> {
     let mut reader = png::Decoder::new(file).read_info()?;
     while reader.next_row()?.is_some() {}
@@ -139,7 +139,8 @@ pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> 
     document_of(reader.info())
 }
 
-/// Returns true if a file begins as a PNG that carries a scene of flipmap's; its pixels are not read.
+/// Returns true if a file begins as a PNG that carries a scene of flipmap's; its pixels are not
+/// read.
 pub(crate) fn carries_scene(file: impl BufRead + Seek) -> bool {
     let reader = png::Decoder::new(file).read_info();
     reader.is_ok_and(|reader| reader.info().utf8_text.iter().any(|text| text.keyword == KEYWORD))
@@ -165,7 +166,7 @@ pub fn picture_in_png(file: impl BufRead + Seek, longest_side: u32) -> Result<Pi
     Ok(Picture { document: document_of(reader.info())?, size, rgb })
 }
 
-/// Largest size in bytes of a document inside a PNG: far above that of any that was written.
+/// Largest size in bytes of a document inside a PNG, far larger than any that flipmap writes.
 const MAX_TEXT: usize = 1 << 20;
 
 fn document_of(info: &png::Info<'_>) -> Result<Document, PngError> {

@@ -1,4 +1,4 @@
-//! Scenes read from files: pictures that flipmap wrote, and TOML.
+//! Reads scenes from files: pictures that flipmap wrote, and TOML.
 
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
@@ -40,7 +40,7 @@ pub enum ReadError {
         /// Path of the file.
         path: PathBuf,
     },
-    /// Neither a file with a scene nor the name of one.
+    /// A name that is neither that of a built-in scene nor that of a file with one.
     #[error(
         "no scene '{name}'{meant}: give a .toml file, a .png written by flipmap, or one of {}",
         BuiltIn::names()
@@ -48,7 +48,7 @@ pub enum ReadError {
     Unknown {
         /// The name.
         name: String,
-        /// A question about a name that is like it, or nothing.
+        /// A suggestion of a similar name; empty if there is none.
         meant: String,
     },
     /// A file of neither kind.
@@ -59,7 +59,7 @@ pub enum ReadError {
     },
 }
 
-/// Returns the document of a built-in scene, or that in a file.
+/// Returns the document of a built-in scene, or reads it from a file.
 pub fn named_document(name: &str) -> Result<Document, ReadError> {
     if let Some(built_in) = BuiltIn::named(name) {
         return Ok(built_in.document());
@@ -74,7 +74,7 @@ pub fn named_document(name: &str) -> Result<Document, ReadError> {
     })
 }
 
-/// Reads the document in a picture that flipmap wrote, or in a scene file.
+/// Reads the document from a picture that flipmap wrote, or from a scene file.
 pub fn read_document(path: &Path) -> Result<Document, ReadError> {
     let is =
         |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));

@@ -1,5 +1,5 @@
-//! The recipe of a picture: the one way from a document to files. The command line and the window's
-//! exports call it; what they add is how an engine is asked for and how progress is displayed.
+//! The only path from a document to the files of a picture. The command line and the window's
+//! exports both use it; they differ only in how they choose an engine and display progress.
 
 use std::time::Instant;
 
@@ -12,7 +12,7 @@ use flipmap_scene::{Document, SceneError};
 
 /// Progress and cancellation of a long computation.
 pub trait Watch: Sync {
-    /// Hears that `done` of `total` samples are computed, at least every few hundredths of a second;
+    /// Takes the progress, `done` of `total` samples, at least every few hundredths of a second;
     /// returns false to stop.
     fn keep_going(&self, done: u64, total: u64) -> bool;
 }
@@ -23,7 +23,7 @@ pub struct PictureRecipe<'a> {
     pub document: &'a Document,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The use of cells, which are followed before pixels.
+    /// The choice of starts that are followed as cells first.
     pub cells: Cells,
     /// Files to write.
     pub paths: &'a Paths,
@@ -34,7 +34,7 @@ pub struct PictureRecipe<'a> {
 pub struct RenderedPicture {
     /// Counts of all passes.
     pub counts: Counts,
-    /// The result of integrating some of its pixels directly, where pixels of a deep view are checked.
+    /// The result of integrating some pixels directly; `None` if none were.
     pub opinion: Option<Opinion>,
     /// Time spent on it.
     pub clock: RenderClock,
@@ -43,7 +43,8 @@ pub struct RenderedPicture {
 }
 
 impl PictureRecipe<'_> {
-    /// Refuses colours, sizes and files that cannot be had, before an engine is started.
+    /// Refuses invalid colours and sizes and files that cannot be written, before an engine is
+    /// started.
     pub fn check(&self) -> Result<(), RenderError> {
         let check = |checked: Result<(), SceneError>| checked.map_err(OutputError::from);
         check(self.document.picture.check())?;
@@ -51,8 +52,8 @@ impl PictureRecipe<'_> {
         Ok(self.paths.check(&self.document.picture)?)
     }
 
-    /// Computes the samples, paints them and completes the files. With `saved`, pixels that an earlier
-    /// render saved are resumed and the others saved.
+    /// Computes the samples, paints them and completes the files. `saved` holds the pixels of an
+    /// earlier render, which are resumed; the result then has those of this one.
     pub fn render(
         &self,
         renderer: &mut Renderer,
@@ -82,7 +83,8 @@ impl PictureRecipe<'_> {
         Ok(rendered)
     }
 
-    /// Runs one pass; `keep_going` takes its samples so far.
+    /// Runs one pass; `keep_going` takes the number of its samples so far, and returns false to
+    /// stop.
     fn run_pass(
         &self,
         renderer: &mut Renderer,

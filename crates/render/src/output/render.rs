@@ -1,4 +1,4 @@
-//! The loop from a picture's work to its files, the same on the command line and in a window.
+//! The loop that turns a picture's work into files, shared by the command line and the window.
 //!
 //! Samples are painted, compressed and written on a thread of their own while the next ones are
 //! computed:
@@ -26,7 +26,7 @@ pub struct RenderClock {
     pub setup: Duration,
     /// Time spent on computing samples.
     pub compute: Duration,
-    /// Time spent on painting and writing them, most of it meanwhile.
+    /// Time spent on painting and writing samples, most of it while others are computed.
     pub output: Duration,
 }
 
@@ -34,11 +34,11 @@ pub struct RenderClock {
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Interval at which bands are offered again to a writer that is behind.
 const PAUSE: Duration = Duration::from_millis(2);
-/// Number of bands that wait for the writer.
+/// Largest number of bands that wait for the writer.
 const AHEAD: usize = 2;
 
-/// Number of samples of a pass over a picture of `size` pixels, after those in the pixels' middles that a
-/// first run computes in adaptive sampling.
+/// Returns the numbers of samples of a pass over a picture of `size` pixels: in the pixels'
+/// middles, which adaptive sampling computes first (otherwise 0), and in the pass itself.
 pub(crate) fn pass_samples(document: &Document, size: [u32; 2], pass: &SinkPass) -> [u64; 2] {
     let count = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     let middles = if is_adaptive(document, pass) { count(size) } else { 0 };
@@ -51,8 +51,9 @@ fn is_adaptive(document: &Document, pass: &SinkPass) -> bool {
     several || pass.sampling == Sampling::Corners
 }
 
-/// The work of a pass over a picture of `size` pixels. In adaptive sampling, a run over the pixels'
-/// middles comes first, with counts of its own; it ends as stopped once `keep_going` returns false.
+/// Returns the work of a pass over a picture of `size` pixels. Adaptive sampling first runs over
+/// the pixels' middles, with counts of its own; that run fails as stopped once `keep_going` returns
+/// false.
 pub fn pass_work(
     renderer: &mut Renderer,
     (document, cells): (&Document, Cells),
@@ -78,8 +79,8 @@ pub fn pass_work(
     Ok(work.sparing(plain))
 }
 
-/// Runs one pass and hands its samples to `sinks`, rows from the top. `keep_going` takes the counts so
-/// far, at least every few hundredths of a second, and returns false to stop.
+/// Runs one pass and feeds its samples to `sinks`, rows from the top. `keep_going` takes the counts
+/// so far, at least every few hundredths of a second, and returns false to stop.
 pub fn render_pass(
     work: &mut Work,
     engine: &mut dyn Engine,
@@ -94,13 +95,13 @@ pub fn render_pass(
         let computed = compute(work, engine, bands, clock, keep_going);
         let (output, written) = writer.join().unwrap_or_else(|panic| resume_unwind(panic));
         clock.output += output;
-        // A writer that fails ends the computation, too.
+        // A failed writer also ends the computation; its error is the one to report.
         written?;
         computed
     })
 }
 
-/// Writes bands as they come and returns the time that it took, until there are no more.
+/// Writes bands as they come, until there are no more, and returns the time that writing took.
 fn write(
     sinks: &mut Sinks,
     pass: &SinkPass,

@@ -46,13 +46,13 @@ impl fmt::Display for Destination {
 pub enum SafeFile {
     /// A temporary file, renamed onto the path at the end.
     Beside(BufWriter<File>, TempPath, PathBuf),
-    /// A pipe, a device or standard output, written as the bytes come: there is nothing to keep
-    /// safe, and a rename would put a file in its place.
+    /// A pipe, a device or standard output, written directly: it has no earlier content to protect,
+    /// and a rename would replace it with a file.
     Device(BufWriter<Device>),
 }
 
 impl SafeFile {
-    /// Opens a destination for writing; refuses at once what would fail at the end.
+    /// Opens a destination for writing; refuses at once one that could not be replaced at the end.
     pub fn create(destination: &Destination) -> io::Result<Self> {
         let path = match destination {
             Destination::Stdout => return SafeFile::stdout(),
@@ -87,8 +87,8 @@ impl SafeFile {
         Ok(SafeFile::Device(BufWriter::new(Device::stdout()?)))
     }
 
-    /// Refuses what [`Self::create`] would. Pipes and devices are not opened: the reader of a pipe
-    /// that is opened and closed has read it to its end.
+    /// Refuses the destinations that [`Self::create`] refuses, but opens no pipes and devices: a
+    /// reader takes the closing of a pipe for its end.
     pub fn check(destination: &Destination) -> io::Result<()> {
         match destination {
             Destination::File(path) if is_device(path) => Ok(()),
@@ -96,14 +96,15 @@ impl SafeFile {
         }
     }
 
-    /// Writes a destination that holds these bytes and nothing else.
+    /// Writes these bytes as the whole content of a destination.
     pub fn write_whole(destination: &Destination, bytes: &[u8]) -> io::Result<()> {
         let mut file = SafeFile::create(destination)?;
         file.write_all(bytes)?;
         file.finish()
     }
 
-    /// Path of a file that will be renamed, for another program to write to.
+    /// Returns the path of the temporary file, for another program to write to; `None` for a
+    /// device.
     pub(crate) fn beside(&self) -> Option<&Path> {
         match self {
             SafeFile::Beside(_, beside, _) => Some(beside),
@@ -111,13 +112,13 @@ impl SafeFile {
         }
     }
 
-    /// Completes the file and puts it in its place.
+    /// Completes the file and renames it to its destination.
     pub fn finish(self) -> io::Result<()> {
         match self {
             SafeFile::Device(mut out) => out.flush(),
             SafeFile::Beside(mut out, beside, path) => {
                 out.flush()?;
-                // Whole on the disk before it has its name, so that no power cut leaves half of it.
+                // Synced before it is renamed, so a power cut leaves no partial file.
                 out.get_ref().sync_all()?;
                 beside.persist(path).map_err(|error| error.error)
             }
@@ -130,19 +131,19 @@ fn is_device(path: &Path) -> bool {
     path.exists() && !path.is_file() && !path.is_dir()
 }
 
-/// Prefix of the names of unfinished files: longer than anybody else's name may begin by chance.
+/// Prefix of the names of unfinished files, too long for another program's file to have by chance.
 pub(super) const UNFINISHED: &str = ".flipmap-unfinished-";
 
-/// Number of random letters and digits after it.
+/// Number of random letters and digits after the prefix.
 pub(super) const UNIQUE: usize = 16;
 
-/// File in an unfinished folder that its process holds; a folder without it is worth keeping.
+/// Name of the file in an unfinished folder that its process locks; a folder without it is kept.
 pub(super) const HELD: &str = "held";
 
-/// Age of an unfinished file from which on it can be an orphan; a younger one may not be held yet.
+/// Age above which an unfinished file may be an orphan; a younger one may not be locked yet.
 const ORPHAN_AGE: Duration = Duration::from_secs(60);
 
-/// Holds an unfinished file as long as it is open. File systems without locks do without.
+/// Locks an unfinished file while it is open, if the file system has locks.
 #[cfg(unix)]
 pub(super) fn hold(file: &File) {
     let _ = file.try_lock();
@@ -151,8 +152,8 @@ pub(super) fn hold(file: &File) {
 #[cfg(not(unix))]
 pub(super) fn hold(_: &File) {}
 
-/// Removes the unfinished files and folders of runs that were killed: those that no process holds. Looks into each
-/// folder once a run, since films write thousands of files into one. What cannot be removed stays.
+/// Removes unfinished files and folders of killed runs, which no process locks. Looks into each
+/// folder once a run, since films write thousands of files into one. Skips what cannot be removed.
 pub(super) fn remove_orphans(folder: &Path) {
     static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let is_new = SEEN.lock().is_ok_and(|mut seen| seen.insert(folder.to_path_buf()));
@@ -168,29 +169,30 @@ pub(super) fn remove_orphans(folder: &Path) {
     }
 }
 
-/// Returns true for the name of an unfinished file: the prefix and what makes it unique, no more.
+/// Returns true for the name of an unfinished file: the prefix and `UNIQUE` letters and digits.
 fn is_unfinished(name: &str) -> bool {
     let unique = name.strip_prefix(UNFINISHED).unwrap_or_default();
     unique.len() == UNIQUE && unique.bytes().all(|byte| byte.is_ascii_alphanumeric())
 }
 
-/// Returns true if an unfinished file is old and no process holds it.
+/// Returns true if an unfinished file is old and no process locks it.
 #[cfg(unix)]
 fn is_orphan(path: &Path) -> bool {
     let Ok(found) = path.symlink_metadata() else { return false };
     let age = found.modified().ok().and_then(|since| since.elapsed().ok());
     let is_old = found.is_file() && age.is_some_and(|age| age > ORPHAN_AGE);
-    // Opened for writing, as some network file systems lock nothing else.
+    // Opened for writing, because some network file systems lock no other files.
     is_old && File::options().write(true).open(path).is_ok_and(|file| file.try_lock().is_ok())
 }
 
-/// Locks of other systems would keep ffmpeg from writing to a file that is held.
+/// Returns false: files are not locked on other systems, where a lock would stop ffmpeg from
+/// writing.
 #[cfg(not(unix))]
 fn is_orphan(_: &Path) -> bool {
     false
 }
 
-/// Refuses a name that no file can have, and a file that is protected from being written to.
+/// Refuses a name that no file can have, and a write-protected file.
 pub(super) fn refuse_what_fails_at_the_end(path: &Path) -> io::Result<()> {
     match path.metadata() {
         Ok(found) if found.permissions().readonly() => {
@@ -201,7 +203,7 @@ pub(super) fn refuse_what_fails_at_the_end(path: &Path) -> io::Result<()> {
     }
 }
 
-/// The folder in which a path lies; an error if it does not exist.
+/// Returns the folder in which a path lies; an error if it does not exist.
 pub(super) fn existing_folder_of(path: &Path) -> io::Result<&Path> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -213,7 +215,7 @@ pub(super) fn existing_folder_of(path: &Path) -> io::Result<&Path> {
     Err(io::Error::other(format!("the folder {} does not exist", folder.display())))
 }
 
-/// The mode of the file that is replaced, or that of any new file (less the umask).
+/// Returns the mode of the file to be replaced, or that of any new file (less the umask).
 #[cfg(unix)]
 fn permissions(path: &Path) -> Permissions {
     use std::os::unix::fs::PermissionsExt;

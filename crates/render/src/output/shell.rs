@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// A path as a shell reads it: in quotes where it has spaces or signs with a meaning.
+/// Returns a path as a shell reads it, quoted if it has spaces or special characters.
 pub fn shell_word(path: &Path) -> String {
     let text = path.to_string_lossy();
     // Only a NUL cannot be quoted, and no path has one.

@@ -24,16 +24,16 @@ pub struct Paths {
     pub picture: Option<PathBuf>,
     /// The pyramid of tiles.
     pub pyramid: Option<PathBuf>,
-    /// The array of flip times.
+    /// The array of answers.
     pub raw: Option<PathBuf>,
     /// The image with all channels.
     pub exr: Option<PathBuf>,
-    /// The picture of trust.
+    /// The picture that shows each pixel's trust.
     pub trust: Option<PathBuf>,
 }
 
 impl Paths {
-    /// Each path that is given, with its setting.
+    /// Returns each given path with its setting.
     pub fn named(&self) -> Vec<(&'static str, &Path)> {
         let all = [
             (PICTURE, &self.picture),
@@ -45,7 +45,7 @@ impl Paths {
         all.into_iter().filter_map(|(setting, path)| Some((setting, path.as_deref()?))).collect()
     }
 
-    /// Refuses what could not be written, long before it is.
+    /// Refuses outputs that could not be written, before anything is computed.
     pub fn check(&self, picture: &PictureTable) -> Result<(), OutputError> {
         self.named().into_iter().try_for_each(|(setting, path)| {
             let name = Destination::from(path);
@@ -72,7 +72,8 @@ const PYRAMID: &str = "pyramid";
 pub struct SinkPass {
     /// Samples of each pixel.
     pub sampling: Sampling,
-    /// True if it is for the painted outputs; the others need one sample at each pixel's centre.
+    /// True if the pass is for the painted outputs; the others need one sample at each pixel's
+    /// centre.
     picture: bool,
     others: bool,
 }
@@ -88,7 +89,7 @@ enum Sink {
     Trust(PictureFile),
 }
 
-/// The channels that arrays hold: the chosen one, or all of the question.
+/// Returns the channels that arrays hold: the chosen one, or all of the question.
 fn channels_of(document: &Document) -> Range<usize> {
     let ask = document.question.ask;
     match document.picture.shown(ask) {
@@ -97,7 +98,7 @@ fn channels_of(document: &Document) -> Range<usize> {
     }
 }
 
-/// An output that is complete, but not yet in its place.
+/// An output that is complete, but not yet renamed to its destination.
 enum Complete {
     File(SafeFile),
     Folder(PyramidFolder),
@@ -138,12 +139,12 @@ impl Sink {
         begun.map_err(|source| write_error(&name, source))
     }
 
-    /// Returns true if it is made of the picture's colours.
+    /// Returns true if the output consists of the picture's colours.
     fn is_painted(&self) -> bool {
         matches!(self, Sink::Picture(_) | Sink::DeepPicture(_) | Sink::Pyramid(_))
     }
 
-    /// Writes samples, where the output is not painted.
+    /// Writes samples, unless the output is painted.
     fn write(&mut self, samples: &Samples) -> Result<(), PngError> {
         match self {
             Sink::Raw(npy) => npy.write(samples)?,
@@ -154,7 +155,7 @@ impl Sink {
         Ok(())
     }
 
-    /// Writes painted rows, where the output is made of them.
+    /// Writes painted rows, if the output is painted.
     fn write_painted(&mut self, painted: &Painted) -> Result<(), PngError> {
         match self {
             Sink::Picture(picture) => picture.write(&painted.rgb)?,
@@ -180,7 +181,7 @@ impl Sink {
 }
 
 impl Complete {
-    /// Puts the output in its place.
+    /// Renames the output to its destination.
     fn finish(self) -> std::io::Result<()> {
         match self {
             Complete::File(file) => file.finish(),
@@ -189,7 +190,7 @@ impl Complete {
     }
 }
 
-/// Painted rows as bytes: of eight bits a channel, and of sixteen if an output wants these.
+/// Painted rows as bytes: eight bits a channel, and also sixteen if an output needs them.
 #[derive(Default)]
 struct Painted {
     rgb: Vec<u8>,
@@ -198,7 +199,7 @@ struct Painted {
 }
 
 impl Painted {
-    /// Takes the next rows in place of the last ones, in the same memory.
+    /// Converts the next rows, overwriting the last ones.
     fn take(&mut self, tints: &[Tint], deep: bool) {
         self.rgb.resize(3 * tints.len(), 0);
         let shares = self.rgb.par_chunks_mut(SHARE).zip(tints.as_flattened().par_chunks(SHARE));
@@ -240,8 +241,9 @@ impl Sinks {
         Ok(Sinks { painter, painted: Painted::default(), open })
     }
 
-    /// The passes over a picture with these samples per pixel. Outputs that are not painted hold the
-    /// samples in the pixels' middles: beside several in a square, from a pass of their own.
+    /// Returns the passes over a picture with these samples per pixel. Outputs that are not painted
+    /// hold the samples in the pixels' middles; if pixels have several samples in a square, these
+    /// come from a pass of their own.
     pub fn passes(&self, sampling: Sampling) -> Vec<SinkPass> {
         let is_painted = |(sink, _): &(Sink, _)| sink.is_painted();
         let picture = self.open.iter().any(is_painted);
@@ -274,8 +276,8 @@ impl Sinks {
         Ok(())
     }
 
-    /// Passes samples, rows from the top, to the outputs of a pass. An output whose reader has left
-    /// is given up if there is another one.
+    /// Passes samples, rows from the top, to the outputs of a pass. An output whose reader has
+    /// closed its pipe is dropped if there is another one.
     pub fn write(&mut self, pass: &SinkPass, samples: &Samples) -> Result<(), OutputError> {
         if pass.picture {
             self.paint(samples)?;
@@ -286,7 +288,7 @@ impl Sinks {
         Ok(())
     }
 
-    /// Paints samples a strip at a time, which fits a processor's cache and memory that is used again.
+    /// Paints samples in strips that fit into the processor's cache and reuse the same memory.
     fn paint(&mut self, samples: &Samples) -> Result<(), OutputError> {
         let Sinks { painter: Some(painter), painted, open } = self else { return Ok(()) };
         let is_deep = |(sink, _): &(Sink, _)| matches!(sink, Sink::DeepPicture(_));
@@ -299,7 +301,7 @@ impl Sinks {
         Ok(())
     }
 
-    /// Completes every output before any takes its place.
+    /// Completes every output, and only then renames them to their destinations.
     pub fn finish(self) -> Result<(), OutputError> {
         let mut others = self.open.len() - 1;
         let mut complete = Vec::new();
@@ -316,7 +318,7 @@ impl Sinks {
     }
 }
 
-/// Writes to each output, without those whose readers have left.
+/// Writes to each output, and drops those whose readers have closed their pipes.
 fn write_each(
     open: &mut Vec<(Sink, Destination)>,
     write: impl Fn(&mut Sink) -> Result<(), PngError>,

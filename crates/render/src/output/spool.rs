@@ -9,8 +9,8 @@ use tempfile::TempPath;
 
 use super::SafeFile;
 
-/// A file that is written in any order. What goes to a stream, which cannot seek, waits in an
-/// unnamed temporary file until it is complete.
+/// A file that is written in any order. If its destination is a stream, which cannot seek, an
+/// unnamed temporary file holds it until it is complete.
 pub(crate) struct Spool {
     file: BufWriter<File>,
     last: FinalStep,
@@ -23,7 +23,7 @@ enum FinalStep {
 }
 
 impl Spool {
-    /// A spool for a destination to which nothing has been written.
+    /// Creates a spool for a destination to which nothing has been written.
     pub(crate) fn new(destination: SafeFile) -> io::Result<Self> {
         Ok(match destination {
             SafeFile::Beside(file, beside, path) => {

@@ -1,7 +1,7 @@
 //! The state of a render, kept in a file for a later run with a larger budget.
 //!
-//! The format is [postcard](https://docs.rs/postcard): compact, and exact for every f64. Before it
-//! stands its checksum.
+//! The format is [postcard](https://docs.rs/postcard): compact, and exact for every f64. A checksum
+//! precedes it.
 
 use std::io::{self, Write};
 
@@ -14,7 +14,7 @@ use flipmap_scene::{Document, Setting};
 
 /// First bytes of every state file; the number is the format's.
 const MAGIC: &str = "flipmap state 2\n";
-/// First bytes of files of the first format, which had no checksum: a flipped bit could not be noticed.
+/// First bytes of files of the first format, which has no checksum that would reveal damage.
 const FIRST_MAGIC: &str = "flipmap state 1\n";
 /// Size of the checksum in bytes.
 const DIGEST: usize = 32;
@@ -22,7 +22,7 @@ const DIGEST: usize = 32;
 /// A render that can be resumed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RenderState {
-    /// Record of what ran: only the same engine and configuration lead to the same answers.
+    /// Engine and configuration that ran: only the same ones lead to the same answers.
     pub ran: RunRecord,
     /// The scene's file, with the budget that was reached.
     pub document: String,
@@ -35,7 +35,8 @@ pub struct RenderState {
 pub struct RunRecord {
     /// The kind of engine.
     pub engine: EngineKind,
-    /// Name of the adapter, or the processor's instruction set. Threads change no answer.
+    /// Name of the adapter, or the processor's instruction set. The number of threads changes no
+    /// answer.
     pub adapter: String,
     /// Name of the method.
     pub method: String,
@@ -58,7 +59,7 @@ pub enum StateError {
     /// A file that is not a state.
     #[error("is not a state that flipmap wrote")]
     Foreign,
-    /// A state that is not as it was written.
+    /// A state that was damaged after it was written.
     #[error("is cut short or altered ({0}): remove it, and render again from the beginning")]
     Damaged(&'static str),
     /// A state of the first format.
@@ -67,7 +68,7 @@ pub enum StateError {
          and render again from the beginning"
     )]
     Unchecked,
-    /// A state of something else.
+    /// A state of another scene, size, engine or configuration.
     #[error("belongs to another {what}: it has {kept}, and this run {now}")]
     Different {
         /// The property that differs.
@@ -89,7 +90,7 @@ pub enum StateError {
     },
 }
 
-/// Words of a scene that a resumed render has, too, with the name of what they describe.
+/// Settings that must be equal for a render to be resumed, by the name of what they describe.
 const MUST_BE_EQUAL: &[(&str, &[Setting])] = &[
     (
         "pendulum",

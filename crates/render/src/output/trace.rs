@@ -1,5 +1,5 @@
-//! The motion of one pendulum as a table: rows of numbers at even times, by the gold standard in
-//! double-double.
+//! The motion of one pendulum as a table of rows at equal intervals, integrated by the gold
+//! standard in double-double.
 
 use super::trace_channels::TraceChannels;
 use flipmap_numbers::{Dd, Exact, Scalar};
@@ -10,12 +10,12 @@ use flipmap_pendulum::taylor::{Orbit, TaylorStep};
 use flipmap_pendulum::{Pendulum, Rule, State};
 use flipmap_scene::{Scene, in_rad};
 
-/// The numbers of a motion are no longer finite: it is too fast for its pendulum.
+/// An error: the motion is so fast that its numbers are no longer finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the motion is no longer finite")]
 pub struct NotFinite;
 
-/// A part of the way, from [`Trace::advance`].
+/// The result of [`Trace::advance`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Advance {
     /// The next row, in the order of [`Trace::columns`]; NaN where a channel has no value yet.
@@ -26,7 +26,7 @@ pub enum Advance {
     End,
 }
 
-/// A pendulum on its way, and the rows of its table.
+/// A pendulum in motion, and the rows of its table.
 ///
 /// ```
 /// use flipmap_render::output::{Advance, Trace, launch_from_text};
@@ -54,18 +54,19 @@ pub struct Trace {
     step: Option<TaylorStep<Dd>>,
     channels: TraceChannels,
     passes: Vec<Pass>,
-    /// Passes in the first moments that have not been told, and the end of these.
+    /// Passes in the first moments that are not in `passes` yet, and the end of the first moments
+    /// in s.
     first: (Vec<Pass>, Dd),
     until: Dd,
     every: Dd,
     /// Number of the next row.
     row: u64,
-    /// Energy at the start, in units of the pendulum.
+    /// Energy at the start, in the pendulum's units.
     energy: Dd,
 }
 
 impl Trace {
-    /// Releases a scene's pendulum, for rows from 0 to `until` with `every` between them, in s.
+    /// Releases a scene's pendulum; the rows go from 0 to `until` in steps of `every`, both in s.
     pub fn new(scene: &Scene, start: State<Exact>, [until, every]: [Dd; 2]) -> Self {
         let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
         let (reduced, unit_secs) = scene.build.reduced_in::<Exact>();
@@ -96,19 +97,20 @@ impl Trace {
         }
     }
 
-    /// Names of the columns: time, angles, speeds, error of the energy, and the question's channels.
+    /// Returns the names of the columns: time, angles, speeds, energy error, and the question's
+    /// channels.
     pub fn columns(&self) -> Vec<&'static str> {
         let mut names = vec!["t", "theta1", "theta2", "omega1", "omega2", "energy_error"];
         names.extend(self.channels.names());
         names
     }
 
-    /// The passes of the top so far, in order of time.
+    /// Returns the passes of the top so far, in order of time.
     pub fn passes(&self) -> &[Pass] {
         &self.passes
     }
 
-    /// Goes on by a row or by a step.
+    /// Returns the next row, or integrates another step.
     pub fn advance(&mut self) -> Result<Advance, NotFinite> {
         let time = self.every * Dd::new(self.row as f64);
         if let Some(step) = &self.step
@@ -148,8 +150,8 @@ impl Trace {
     }
 }
 
-/// Reads a start, `θ1,θ2` or `θ1,θ2,ω1,ω2` in rad and rad/s, angles also as in `-95deg,0.5pi`; `None`
-/// unless these are numbers between -1e6 and 1e6.
+/// Reads a start, `θ1,θ2` or `θ1,θ2,ω1,ω2` in rad and rad/s, with angles also as in `-95deg,0.5pi`;
+/// `None` unless these are numbers between -1e6 and 1e6.
 pub fn launch_from_text(text: &str) -> Option<State<Exact>> {
     let numbers: Option<Vec<Exact>> =
         text.split(',').map(|part| Exact::parse(&in_rad(part))).collect();

@@ -11,7 +11,7 @@ use flipmap_pendulum::{Pendulum, State};
 use flipmap_scene::question::{Followed, Needs, TraceColumns};
 use flipmap_scene::{QuestionSettings, Scene};
 
-/// A question's findings about a pendulum so far.
+/// The answers to a question about a pendulum so far.
 pub(super) struct TraceChannels {
     question: QuestionSettings,
     /// The pendulum in reduced units, and its unit of time in s.
@@ -19,13 +19,14 @@ pub(super) struct TraceChannels {
     unit_secs: f64,
     returns: ReturnSearch,
     passes: Vec<Pass>,
-    /// Time and place up to which growth is followed, and the tangent map from the start to it.
+    /// Time in s and phase up to which growth is followed; `map` is the tangent map from the start
+    /// to it.
     last: (f64, Phase<f64>),
     map: TangentMap,
 }
 
 impl TraceChannels {
-    /// The columns of a scene's question, for a pendulum at its start.
+    /// Creates the columns of a scene's question, for a pendulum at its start.
     pub(super) fn new(scene: &Scene, start: &State<Dd>) -> Self {
         let (pendulum, unit_secs) = scene.build.reduced_in::<Dd>();
         let (pendulum, unit_secs) = (pendulum.to_f64(), unit_secs.hi);
@@ -41,22 +42,22 @@ impl TraceChannels {
         }
     }
 
-    /// The columns; none for the first flip, which a trace already reports among the passes of the
-    /// top.
+    /// Returns the columns; `None` for the first flip, which a trace already reports among the
+    /// passes of the top.
     fn columns(&self) -> Option<&'static TraceColumns> {
         let kind = self.question.ask.kind();
         let told = kind.has_count && self.question.count == 1;
         (!told).then_some(&kind.columns)
     }
 
-    /// Names of the columns.
+    /// Returns the names of the columns.
     pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
         let channels = self.question.ask.kind().channels;
         let added = self.columns().map_or(&[][..], |columns| &channels[columns.from..]);
         added.iter().map(|channel| channel.name)
     }
 
-    /// Takes a step and the passes in it, before its rows.
+    /// Takes a step and the passes in it; call it before the step's rows are read.
     pub(super) fn add(&mut self, step: &TaylorStep<Dd>, passes: &[Pass]) {
         self.passes.extend(passes);
         match self.question.ask.kind().needs {
@@ -66,15 +67,15 @@ impl TraceChannels {
         }
     }
 
-    /// Takes the tangent map on to a state at a time in s. From step to step and from row to row, the
-    /// orbit in f64 begins anew at the one in double-double.
+    /// Extends the tangent map to a state at a time in s. For every step and every row, the orbit
+    /// in f64 restarts from the one in double-double.
     fn grow(&mut self, secs: f64, state: &State<Dd>) {
         let phase = reduced_phase(&self.pendulum, self.unit_secs, state);
         let (since, from) = std::mem::replace(&mut self.last, (secs, phase));
         self.map = self.map.followed_by(&self.pendulum, &from, (secs - since) / self.unit_secs);
     }
 
-    /// The values at a time.
+    /// Returns the values of the columns at a time.
     pub(super) fn values(&mut self, time: Dd, state: &State<Dd>) -> Vec<f64> {
         let Some(columns) = self.columns() else { return Vec::new() };
         (columns.read)(&mut TraceRow { channels: self, time, state })
@@ -119,7 +120,7 @@ impl Followed for TraceRow<'_> {
     }
 }
 
-/// Unit vectors and momenta in reduced units of a state in rad and rad/s.
+/// Converts a state in rad and rad/s to unit vectors and momenta in reduced units.
 pub(super) fn reduced_phase(
     pendulum: &Pendulum<f64>,
     unit_secs: f64,

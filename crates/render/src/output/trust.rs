@@ -1,12 +1,12 @@
-//! A picture of how sure each pixel is.
+//! A picture that shows how far each pixel can be trusted.
 
 use crate::tiles::Samples;
 use flipmap_engine::Trust;
 use flipmap_pendulum::Status;
 use flipmap_scene::palette::{Ground, Rgb};
 
-/// Colours by trust: dark for what a cheap check confirmed, brighter for what took more, red for
-/// what stays open. The order holds in grey too.
+/// Colours by trust: dark for answers that a cheap check confirmed, brighter for those that took
+/// more, red for those that stay open. The order holds in grey too.
 const COLOURS: [(Trust, Rgb); 5] = [
     (Trust::Unchecked, [0x60, 0x60, 0x60]),
     (Trust::Agreed, [0x10, 0x28, 0x40]),
@@ -15,7 +15,8 @@ const COLOURS: [(Trust, Rgb); 5] = [
     (Trust::Uncertain, [0xff, 0x30, 0x20]),
 ];
 
-/// RGB bytes of samples by their trust; forbidden samples are coloured as in any picture.
+/// Returns the RGB bytes of samples by their trust; forbidden samples have their colour on a light
+/// ground.
 pub(crate) fn trust_colours(samples: &Samples) -> Vec<u8> {
     let colour = |(index, status): (usize, Status)| match status {
         Status::Forbidden => Ground::LIGHT.forbidden,

@@ -1,4 +1,4 @@
-//! A check of a whole PNG file: a decoder stops at the last row, whatever comes after it.
+//! Checks a PNG file to its end: a decoder stops at the last row, whatever follows.
 
 use std::io::{self, Read};
 
@@ -7,7 +7,8 @@ use flate2::{Decompress, FlushDecompress, Status};
 /// Number of bytes that are read at once.
 const BLOCK: usize = 1 << 16;
 
-/// Returns an error unless a PNG has all its chunks with their checksums, and the end of its pixels.
+/// Returns an error unless a PNG has all its chunks with correct checksums and its pixels are
+/// complete.
 pub(super) fn check_whole_png(file: impl Read) -> io::Result<()> {
     read_to_end(file).map_err(|error| match error.kind() {
         io::ErrorKind::UnexpectedEof => io::Error::other("it is damaged: it ends early"),
@@ -49,7 +50,7 @@ fn four_bytes(file: &mut impl Read) -> io::Result<[u8; 4]> {
     Ok(bytes)
 }
 
-/// The packed pixels of a picture, which end with a checksum of their own.
+/// The compressed pixels of a picture, which end with a checksum of their own.
 struct PackedPixels {
     inflate: Decompress,
     unpacked: Vec<u8>,
@@ -62,7 +63,7 @@ impl PackedPixels {
         PackedPixels { inflate: Decompress::new(true), unpacked, has_end: false }
     }
 
-    /// Unpacks some more bytes and forgets them.
+    /// Unpacks the next bytes and discards the result.
     fn unpack(&mut self, mut bytes: &[u8]) -> io::Result<()> {
         while !self.has_end {
             let [read, made] = [self.inflate.total_in(), self.inflate.total_out()];

@@ -1,8 +1,8 @@
-//! Adaptive sampling: several samples per pixel where colours change, one in the rest of a picture.
+//! Adaptive sampling: several samples per pixel where colours change, one elsewhere.
 //!
 //! A first run computes a sample in the middle of each pixel. A pixel is *plain* if no neighbour's
-//! colour differs from its own by more than the eye notices; all its samples are taken to be that
-//! one. The others get the full number, or samples in their corners:
+//! colour differs from its own by more than the eye notices; its one sample then stands for all.
+//! Other pixels get the full number of samples, or samples in their corners:
 //!
 //! ```text
 //!   ┌───┬───┬───┬───┐        ┌───┬───┬───┬───┐        ┌───┬───·───·───·
@@ -12,7 +12,7 @@
 //!   └───┴───┴───┴───┘        └───┴───┴───┴───┘        └───┴───·───·───·
 //! ```
 //!
-//! Which pixels are plain follows from the whole picture, never from tiles or jobs.
+//! A pixel is plain or not because of the whole picture, regardless of tiles and jobs.
 
 use rayon::prelude::*;
 
@@ -23,7 +23,8 @@ use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::palette::{AnswerColours, Tint};
 use flipmap_scene::{Sampling, Scene};
 
-/// Largest difference of a channel of neighbouring colours, on a scale of 255, that is no edge.
+/// Largest difference in a channel of neighbouring colours, on a scale of 255, that does not count
+/// as an edge.
 const EDGE: f32 = 6.0;
 
 /// The plain pixels of a picture, and the sample of each.
@@ -34,18 +35,20 @@ pub(crate) struct PlainPixels {
     /// The colours of these samples.
     tints: Vec<Tint>,
     is_plain: Vec<bool>,
-    /// True for corners that have a sample, row by row from the top; empty where the others have none.
+    /// True for corners that have a sample, row by row from the top; empty unless `others` is
+    /// [`Sampling::Corners`].
     has_corner: Vec<bool>,
     size: [u32; 2],
-    /// Samples of the other pixels.
+    /// Sampling of the pixels that are not plain.
     others: Sampling,
-    /// Counts of the run that found them.
+    /// Counts of the run that found the plain pixels.
     counts: Counts,
 }
 
 impl PlainPixels {
-    /// Finds the plain pixels of a checked scene in `size` pixels and `colours`, whose `others` have more
-    /// samples; none once `keep_going`, which takes the counts so far, returns false.
+    /// Finds the plain pixels of a checked scene in `size` pixels and `colours`; the others get the
+    /// sampling `others`. Returns `None` once `keep_going`, which takes the counts so far, returns
+    /// false.
     pub(crate) fn find(
         renderer: &mut Renderer,
         (scene, cells): (&Scene, Cells),
@@ -61,7 +64,7 @@ impl PlainPixels {
         Ok(Some(PlainPixels { counts: work.counts(), ..plain }))
     }
 
-    /// The plain ones among the pixels of a picture of `size` with these samples in their middles.
+    /// Finds the plain pixels of a picture of `size` pixels with these samples in their middles.
     pub(crate) fn among(
         samples: Samples,
         size: [u32; 2],
@@ -79,17 +82,17 @@ impl PlainPixels {
         PlainPixels { samples, tints, is_plain, has_corner, size, others, counts }
     }
 
-    /// The samples in the middles of all pixels, row by row from the top.
+    /// Returns the samples in the middles of all pixels, row by row from the top.
     pub(crate) fn middles(&self) -> &Samples {
         &self.samples
     }
 
-    /// The colour of a pixel's middle, by the pixel's index.
+    /// Returns the colour of a pixel's middle, by the pixel's index.
     pub(crate) fn tint(&self, pixel: usize) -> Tint {
         self.tints[pixel]
     }
 
-    /// Returns the counts of a picture whose other samples have these.
+    /// Returns the counts of the whole picture, given those of the samples of other pixels.
     pub(super) fn counts_with(&self, counts: Counts) -> Counts {
         // Samples in corners belong to no pixel.
         let pixels = if self.others == Sampling::Corners { self.counts } else { counts };
@@ -99,8 +102,8 @@ impl PlainPixels {
         Counts { simulated, effort, ..pixels }
     }
 
-    /// Returns the known answer of a sample, by its column and row among all samples. Corners of plain
-    /// pixels alone have none, and nobody looks at it.
+    /// Returns the known answer of a sample, by its column and row among all samples. A corner that
+    /// only plain pixels share gets a placeholder, which is never read.
     pub(super) fn known(&self, place: [u32; 2]) -> Option<(Outcome, Trust)> {
         let Sampling::Square(along) = self.others else {
             let none = Outcome::without_time(Status::Forbidden);
@@ -111,14 +114,15 @@ impl PlainPixels {
         self.is_plain[pixel].then(|| (self.samples.get(pixel), self.samples.trust(pixel)))
     }
 
-    /// Returns true if a corner, by its column and row among all corners, has a sample: that of a pixel
-    /// that is not plain.
+    /// Returns true if a corner, by its column and row among all corners, has a sample, because it
+    /// belongs to a pixel that is not plain.
     pub(crate) fn has_corner(&self, [x, y]: [u32; 2]) -> bool {
         self.has_corner[y as usize * (self.size[0] as usize + 1) + x as usize]
     }
 }
 
-/// Returns true for the corners, one column and one row more than pixels, of pixels that are not plain.
+/// Returns true for each corner of a pixel that is not plain. There is one more column and one more
+/// row of corners than of pixels.
 fn corners(is_plain: &[bool], [width, height]: [usize; 2]) -> Vec<bool> {
     let has_corner = |corner: usize| {
         let (x, y) = (corner % (width + 1), corner / (width + 1));
@@ -129,8 +133,8 @@ fn corners(is_plain: &[bool], [width, height]: [usize; 2]) -> Vec<bool> {
     (0..(width + 1) * (height + 1)).into_par_iter().map(has_corner).collect()
 }
 
-/// Returns true for the pixels of a picture with rows of `width` that have the colour of all their
-/// neighbours.
+/// Returns true for each pixel of a picture with rows of `width` whose colour differs from no
+/// neighbour's by more than `EDGE`.
 fn plain(tints: &[Tint], width: usize) -> Vec<bool> {
     let height = tints.len() / width.max(1);
     let apart = |a: Tint, b: Tint| (0..3).any(|i| (a[i] - b[i]).abs() > EDGE);

@@ -10,14 +10,14 @@
 
 /// Weights of three neighbouring pixels side by side in a gradient.
 const WEIGHTS: [f64; 3] = [3.0 / 32.0, 10.0 / 32.0, 3.0 / 32.0];
-/// Length from which gradients count alike, in natural units of time per pixel: a jump of the
-/// flip time is an edge, however high.
+/// Length, in natural units of time per pixel, above which all gradients count the same: a jump of
+/// the flip time is an edge, however high.
 const MAX_UNITS: f64 = 1.0;
-/// Coherence from which the direction is sure. Most bands of a small picture are thinner than its
-/// pixels, so that few of them are coherent; noise of 32 × 32 pixels has about 0.1.
+/// Coherence above which the direction counts as certain. Most bands of a small picture are thinner
+/// than its pixels, so few of them are coherent; noise of 32 × 32 pixels has about 0.1.
 const SURE: f64 = 0.4;
-/// Share of the way to sure bands by which a picture turns and stretches: the directions of single
-/// pictures vary by ten degrees, and those of many average out.
+/// Share of the turn and stretch towards its bands that a picture makes, even if they are certain:
+/// the directions of single pictures vary by ten degrees, but those of many average out.
 const SHARE: f64 = 0.5;
 /// Largest factor by which bands are stretched apart.
 const MAX_STRETCH: f64 = 2.0;
@@ -34,7 +34,7 @@ pub(super) struct Bands {
 
 impl Bands {
     /// Finds the bands of a square picture of times in natural units, row by row from the top;
-    /// pixels without a time count for nothing.
+    /// pixels without a time are ignored.
     pub(super) fn of(times: &[Option<f64>], side: usize) -> Self {
         let [mut xx, mut xy, mut yy] = [0.0; 3];
         for (y, x) in (1..side - 1).flat_map(|y| (1..side - 1).map(move |x| (y, x))) {
@@ -49,15 +49,15 @@ impl Bands {
         Bands { along_deg: across_deg + 90.0, coherence }
     }
 
-    /// Returns the angle in degrees and the stretch of the next picture after one with these: it turns
-    /// by the smallest angle that brings one of its sides nearer to the direction of the bands, and
-    /// stretches across them. The less sure the bands, the less it does.
+    /// Returns the angle in degrees and the stretch of the next picture, given those of this one.
+    /// The picture turns by the smallest angle that brings one of its sides nearer to the direction
+    /// of the bands, and stretches across them; the less certain the bands, the less it does so.
     pub(super) fn opened(&self, [from_deg, from_stretch]: [f64; 2]) -> [f64; 2] {
         let sure = (self.coherence / SURE).min(1.0);
         let quarter_turns = ((self.along_deg - from_deg) / 90.0).round();
         let by_deg = self.along_deg - 90.0 * quarter_turns - from_deg;
         let lying = quarter_turns.rem_euclid(2.0) < 0.5;
-        // A stretched view needs as many more samples: only straight bands are worth them.
+        // A stretched view needs more samples in proportion, which only straight bands justify.
         let straight = self.coherence * self.coherence;
         let stretch = MAX_STRETCH.powf(if lying { straight } else { -straight });
         let stretch = from_stretch * (stretch / from_stretch).powf(SHARE);
@@ -65,7 +65,7 @@ impl Bands {
     }
 }
 
-/// Returns the gradient at a pixel to the right and upwards, in units per pixel; none beside a
+/// Returns the gradient at a pixel to the right and upwards, in units per pixel; `None` beside a
 /// pixel without a time.
 fn gradient(times: &[Option<f64>], side: usize, [x, y]: [usize; 2]) -> Option<[f64; 2]> {
     let at = |x: usize, y: usize| times[y * side + x];

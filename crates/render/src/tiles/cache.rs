@@ -17,7 +17,7 @@ use flipmap_scene::lattice::{Cell, SAMPLES, SIDE};
 pub struct CachedCell {
     /// Samples of the cell at its stride, row by row from the top.
     pub samples: Arc<Samples>,
-    /// Stride of the samples: they are all of the cell once it is one.
+    /// Stride of the samples; stride 1 has all samples of the cell.
     pub stride: Stride,
     /// Simulated seconds that the unflipped samples have had.
     pub budget_secs: f64,
@@ -35,7 +35,7 @@ pub struct CachedCell {
 pub(crate) struct SampleSet {
     /// Key of the physics.
     pub physics: usize,
-    /// True if samples of times were computed only at edges, and the others follow from coarser ones.
+    /// True if samples of times were computed only at edges, and interpolated elsewhere.
     pub refined: bool,
 }
 
@@ -61,7 +61,7 @@ pub(crate) struct Cache {
     budget_bytes: usize,
     bytes: usize,
     known: HashMap<CacheKey, CachedCell>,
-    /// Cells that are not removed.
+    /// Cells that must not be removed.
     wanted: HashSet<CacheKey>,
     /// Number of uses so far, so that the least recently used cells go first.
     clock: u64,
@@ -90,8 +90,8 @@ impl CachedCell {
         self.stride == Stride::ONE && self.budget_secs >= budget_secs
     }
 
-    /// Returns the sample at a column and row as a pass to `budget_secs` needs it, or `None` if
-    /// it has to begin anew.
+    /// Returns the sample at a column and row as a pass to `budget_secs` needs it, or `None` if its
+    /// pendulum has to start again.
     pub(super) fn known(&self, place: [u32; 2], budget_secs: f64) -> Option<Known> {
         let index = self.stride.index(place, SIDE)?;
         let outcome = self.samples.get(index as usize);
@@ -133,7 +133,7 @@ impl Cache {
         self.budget_bytes / (SAMPLES * Samples::bytes(channels))
     }
 
-    /// Changes the budget. If it is smaller, all may fit only once fewer cells are wanted.
+    /// Changes the budget. The cache may exceed a smaller one until fewer cells are wanted.
     pub(crate) fn set_budget(&mut self, budget_bytes: usize) {
         self.budget_bytes = budget_bytes;
         self.shrink();
@@ -153,7 +153,7 @@ impl Cache {
     }
 
     /// Replaces the wanted cells, which are not removed and count as used; all others may be
-    /// removed. There must not be more of them than [`Cache::room`].
+    /// removed. There must be at most [`Cache::room`] wanted cells.
     pub(crate) fn want(&mut self, cells: impl Iterator<Item = (SampleSet, Cell)>) {
         self.wanted = cells.collect();
         self.clock += 1;
@@ -186,8 +186,8 @@ impl Cache {
     }
 
     /// Frees bytes until the rest fits: first the states of unfinished pendulums in cells that are
-    /// not wanted, which a larger budget then begins anew; then those cells; last the states in
-    /// wanted cells. The least recently used always goes first.
+    /// not wanted, which then start again if the budget grows; then those cells; last the states in
+    /// wanted cells. The least recently used always go first.
     fn shrink(&mut self) {
         if self.bytes <= self.budget_bytes {
             return;

@@ -3,8 +3,8 @@
 //! Where neighbours flip at different times, and late, there is more to see below: deep down,
 //! neighbours that flip early all flip at the same time. Each step computes a small picture, goes
 //! to the liveliest place near a preferred point, and enlarges it. It looks ahead: a view is chosen
-//! only if its own small picture offers a next place, so that no descent ends in an edge between
-//! two colours. Each view is turned and stretched so that its bands lie along a side and open.
+//! only if its own small picture offers a next place, so no descent ends in an edge between two
+//! colours. Each view is turned and stretched so that its bands lie along a side and spread apart.
 
 use super::bands::Bands;
 use super::preview::preview;
@@ -22,22 +22,22 @@ const FACTOR: f64 = 3.162_277_660_168_379_5;
 const AROUND: i32 = 2;
 /// Distance in pixels along each axis from the middle of the next view to its border.
 const NEXT_VIEW: i32 = 5;
-/// Upper limit of the differences that count, in natural units of time.
+/// Largest difference between two flip times that is counted in full, in natural units of time.
 const ENOUGH_UNITS: f64 = 3.0;
-/// Mean difference, in those units, at or below which a place has no structure.
+/// Mean difference, in natural units of time, at or below which a place has no structure.
 const MIN_UNITS: f64 = 0.05;
-/// Least number of distinct times in a next view that is more than an edge or two.
+/// Smallest number of distinct times in a next view that shows more than an edge or two.
 const SEVERAL: usize = 4;
-/// Number of distinct times in a next view beyond which further ones make no difference.
+/// Number of distinct times in a next view beyond which more make no difference.
 const MANY: usize = 12;
 /// Distance from the preferred point, in pixels, at which a place counts for half: at the first
 /// step, which follows a pointer, and at later ones, which stay near the filament.
 const NEAR: [f64; 2] = [3.0, 8.0];
 /// Number of places of a picture whose next views are examined before the descent ends.
 const MAX_TRIES: usize = 4;
-/// Least distance in pixels between two of those places.
+/// Smallest distance in pixels between two of those places.
 const APART: f64 = 4.0;
-/// Share of the budget before which flips are the same for deep neighbours.
+/// Share of the budget before which deep neighbours flip at the same time.
 const LATE: f64 = 0.4;
 
 /// A descent from each view to the next deeper one.
@@ -106,7 +106,7 @@ impl Descent {
         Ok(DescentStep::End)
     }
 
-    /// Computes the small picture of a scene; none once `keep_going` returns false.
+    /// Computes the small picture of a scene; returns `None` once `keep_going` returns false.
     fn picture(
         &self,
         scene: &Scene,
@@ -117,7 +117,8 @@ impl Descent {
         preview(&mut work, [SIDE; 2], engine, &|_| keep_going())
     }
 
-    /// Returns the scene around a place, in pixels from the middle; none if its view is too small.
+    /// Returns the scene around a place, in pixels from the middle; `None` if its view is too
+    /// small.
     fn enlarged(&self, offset: [f64; 2]) -> Option<Scene> {
         let mut scene = self.scene.clone();
         let width = scene.view.width_rad().to_f64();
@@ -138,11 +139,11 @@ impl Descent {
         Some(scene)
     }
 
-    /// Returns a scene turned and stretched so that the bands of its picture open.
+    /// Returns a scene turned and stretched so that the bands of its picture spread apart.
     fn opened(&mut self, scene: &Scene, samples: &Samples) -> Scene {
         let bands = Bands::of(&flips_units(scene, samples), SIDE as usize);
         let [rotate_deg, stretch] = bands.opened(self.turned);
-        // Whole turns lead back into the range of views.
+        // Without whole turns, the angle stays in the range of views.
         self.turned = [rotate_deg % 360.0, stretch];
         let mut opened = scene.clone();
         [opened.view.rotate, opened.view.stretch] = self.turned;
@@ -183,7 +184,7 @@ impl Descent {
     }
 }
 
-/// Returns the flip times of a scene's pixels in natural units; none where a pixel has none.
+/// Returns the flip times of a scene's pixels in natural units; `None` for a pixel without one.
 fn flips_units(scene: &Scene, samples: &Samples) -> Vec<Option<f64>> {
     let unit_secs = scene.build.unit_secs();
     let flip =
@@ -195,7 +196,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// The late flips of a small picture, in natural units of time; none where a pixel has none.
+/// The late flips of a small picture, in natural units of time; `None` for a pixel without one.
 struct SmallPicture {
     late_units: Vec<Option<f64>>,
 }
@@ -207,7 +208,7 @@ impl SmallPicture {
         SmallPicture { late_units: flips_units(scene, samples).into_iter().map(late).collect() }
     }
 
-    /// Returns the late flips up to a distance along each axis, as far as the picture reaches.
+    /// Returns the late flips within `reach` pixels along each axis, as far as the picture reaches.
     fn around(&self, [x, y]: [i32; 2], reach: i32) -> impl Iterator<Item = f64> {
         let side = SIDE as i32;
         let within = move |at: i32| (at - reach).max(0)..(at + reach + 1).min(side);
@@ -224,8 +225,8 @@ impl SmallPicture {
         sum / f64::from((2 * AROUND + 1).pow(2))
     }
 
-    /// Returns the number of times in the next view around a pixel that lie apart: one on each side
-    /// of an edge, many where filaments lie side by side.
+    /// Returns the number of distinct times in the next view around a pixel: one on each side of an
+    /// edge, many where filaments lie side by side.
     fn distinct_times(&self, at: [i32; 2]) -> usize {
         let mut times: Vec<f64> = self.around(at, NEXT_VIEW).collect();
         times.sort_by(f64::total_cmp);

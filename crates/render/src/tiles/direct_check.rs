@@ -1,4 +1,4 @@
-//! Answers of pixels compared with direct integration from their exact starts.
+//! Compares answers of pixels with direct integration from their exact starts.
 
 use rayon::prelude::*;
 
@@ -27,7 +27,7 @@ pub(super) struct DirectCheck<'a> {
 }
 
 impl<'a> DirectCheck<'a> {
-    /// The check of a scene's pixels; none for a question that is not answered directly.
+    /// Creates the check of a scene's pixels; `None` for a question that is not answered directly.
     pub(super) fn new(scene: &Scene, grid: &'a Grid) -> Option<Self> {
         let (ask, question) = (scene.question.ask, EventSpec::from(scene));
         let reader = Reader::new(ask, &question);
@@ -42,7 +42,7 @@ impl<'a> DirectCheck<'a> {
         direct::takes_long(&self.question, self.grid.pixel_rad())
     }
 
-    /// Integrates all these pixels directly; none once `keep_going` returns false.
+    /// Integrates all these pixels directly; returns `None` once `keep_going` returns false.
     pub(super) fn opinion(
         &self,
         answers: &[AnsweredPixel],
@@ -53,7 +53,7 @@ impl<'a> DirectCheck<'a> {
         keep_going().then_some(Opinion { asked: answers.len(), contradicted })
     }
 
-    /// Returns true if the answer of a pixel is not that of direct integration.
+    /// Returns true if the answer of a pixel differs from that of direct integration.
     fn contradicts(&self, answer: &AnsweredPixel) -> bool {
         let [column, row] = answer.pixel;
         let truth = self.grid.exact_start(column, row).map(|start| {

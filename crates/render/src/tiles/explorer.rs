@@ -47,7 +47,7 @@ pub struct ViewProgress {
     pub covered: bool,
     /// True if nothing is left to do, except finer samples at edges.
     pub idle: bool,
-    /// True if these are being computed.
+    /// True if finer samples at edges are being computed.
     pub refines: bool,
 }
 
@@ -76,7 +76,8 @@ pub struct Explorer {
     key: usize,
     /// Moment at which that physics became the target's.
     key_since: Option<Instant>,
-    /// Key of the latest earlier physics that was known all over the view and answers the same question.
+    /// Key of the latest earlier physics that was known all over the view and answers the same
+    /// question.
     before: Option<usize>,
     /// Cells of the target that are still to be computed, canonical, in order.
     waiting: VecDeque<Wanted>,
@@ -84,7 +85,7 @@ pub struct Explorer {
     in_flight: InFlightJobs<Batch>,
     /// True if at most half of the jobs in flight are of use to the target.
     stale: bool,
-    /// True if the target is of another view, of which no job has been submitted yet.
+    /// True if the target has a new view, for which no job has been submitted yet.
     begins: bool,
     counts: Counts,
     depth: Option<DepthStats>,
@@ -111,7 +112,7 @@ impl Explorer {
         }
     }
 
-    /// Replaces the target; one that differs in the pendulum alone follows as soon as the current one
+    /// Replaces the target; a target that differs only in the pendulum waits until the current one
     /// is known coarsely.
     pub fn target(&mut self, target: &ViewTarget) {
         self.next = None;
@@ -124,7 +125,7 @@ impl Explorer {
         }
         let is_same_view = self.target.as_ref().is_some_and(|last| last.is_same_view(target));
         let key = self.key_of(&target.physics);
-        // A physics that was passed so quickly that little of it is known cannot stand in.
+        // A physics that was replaced so quickly that little of it is known cannot stand in.
         if key != self.key && self.progress().covered {
             self.before = Some(self.key);
         }
@@ -142,7 +143,7 @@ impl Explorer {
         let channels = target.physics.question.ask.kind().channels.len();
         self.refinement =
             Refinement::of(target, MAX_CELLS.min(self.cache.room(channels) / 2), begun);
-        // A pointer has no order to change where nothing waits.
+        // A moved pointer changes no order if nothing waits.
         if !(is_same_view && self.is_done()) {
             self.plan();
         }
@@ -173,7 +174,7 @@ impl Explorer {
         let mut cells = order::wanted(target, self.cache.room(channels));
         cells.extend(order::finer(target, self.refinement.begun));
         let wanted: HashSet<_> = cells.iter().map(|wanted| self.cache_key(wanted)).collect();
-        // Cells seen closer before are as good as finer ones.
+        // Cells computed for a closer view serve as well as refined ones.
         let sets = [false, true].map(|refined| self.set(refined));
         self.cache.want(wanted.iter().flat_map(|&(_, cell)| sets.map(|set| (set, cell))));
         // Cells in flight to a smaller budget are resumed when they have finished.
@@ -243,7 +244,8 @@ impl Explorer {
     }
 
     /// Returns true if cells are waiting but no job is in flight whose end would wake the caller.
-    /// With a deadline, [`Explorer::work`] may stop there, among cells known without an engine.
+    /// With a deadline, [`Explorer::work`] may return in this state after cells that need no
+    /// engine.
     pub fn is_waiting(&self) -> bool {
         self.target.is_some() && self.in_flight.is_empty() && !self.waiting.is_empty()
     }
@@ -259,8 +261,9 @@ impl Explorer {
         self.plan();
     }
 
-    /// Takes the next cells that can share a job from the queue: cells of one level, set and stride, either
-    /// all new or all to be resumed. Those in flight wait for what they will know.
+    /// Takes the next cells that can share a job from the queue: cells of one level, set and
+    /// stride, either all new or all to be resumed. Cells in flight stay queued until their results
+    /// are known.
     fn next_cells(&mut self, job_size: usize) -> Option<(Wanted, Vec<Cell>)> {
         let flying: HashSet<_> = self.in_flight.tiles().flat_map(Batch::keys).collect();
         let waits = |wanted: &Wanted| flying.contains(&self.cache_key(wanted));

@@ -1,11 +1,11 @@
-//! Refusal of pictures that no engine can compute.
+//! Refuses pictures that no engine can compute.
 
 use flipmap_engine::pace::Pace;
 use flipmap_engine::{Cells, EngineError, EventSpec, IntegratorConfig};
 use flipmap_scene::{Grid, Scene};
 
 /// Returns an error if a picture of `size` pixels needs too many steps for its budget, or if its
-/// starts would be one number and cannot be followed as cells.
+/// starts would be equal numbers and cannot be followed as cells.
 pub fn check_feasible(
     scene: &Scene,
     size: [u32; 2],

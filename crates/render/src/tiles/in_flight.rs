@@ -1,7 +1,7 @@
 //! The one loop from tiles to samples, shared by pictures, films and the window.
 //!
-//! A [`TileSource`] hands out its tiles with what is already known of their pixels. The rest of a
-//! tile becomes one job, whose answers come back as samples in the order of the pixels.
+//! A [`TileSource`] supplies tiles, with the pixels that are already known. The rest of a tile
+//! becomes one job, whose answers come back as samples in the order of the pixels.
 //!
 //! ```text
 //! next_tile ──► known in full ──────────────────────► take
@@ -25,7 +25,7 @@ pub(super) struct NextTile<T> {
     pub open: OpenTile,
     pub question: EventSpec,
     pub config: IntegratorConfig,
-    /// True if states are returned, to be resumed.
+    /// True if states are returned, so that pendulums can be resumed.
     pub keeps_states: bool,
     pub ask: QuestionName,
 }
@@ -96,7 +96,8 @@ impl<T> FinishedBatch<T> {
         FinishedBatch { tile, samples, computed, unfinished, effort }
     }
 
-    /// Adds the work of the batch to `counts`; the source that takes the samples counts them.
+    /// Adds the work of the batch to `counts`; its samples are counted by the source that takes
+    /// them.
     pub(super) fn count_work(&self, counts: &mut Counts) {
         counts.simulated += self.computed.len() as u64;
         counts.effort += self.effort;
@@ -107,7 +108,7 @@ impl<T> FinishedBatch<T> {
 #[derive(Debug)]
 struct JobInFlight<T> {
     tile: T,
-    /// Samples with those that were known beforehand.
+    /// Samples, of which those known beforehand are filled in.
     samples: Samples,
     /// Places of the samples that are computed.
     places: Vec<u32>,

@@ -1,17 +1,17 @@
-//! The choice and the order of the pixels to compute, and the one loop that computes them.
+//! Chooses and orders the pixels to compute, and runs the one loop that computes them.
 //!
-//! Pictures, films and windows cut what they show into tiles, each in its own way and order. All
-//! of them implement the trait `TileSource` of `in_flight.rs` and so share one loop, which turns
-//! tiles into jobs, keeps the engine's slots full and hands tiles back as they finish. Pixels that
-//! energy forbids, or that a mirror image or an earlier run answers, never reach the engine.
+//! Pictures, films and windows cut their contents into tiles, each in its own way and order. All of
+//! them implement the trait `TileSource` of `in_flight.rs` and so share one loop, which turns tiles
+//! into jobs, keeps the engine's slots full and returns tiles as they finish. Pixels that energy
+//! forbids, or that a mirror image or an earlier run answers, never reach the engine.
 //!
 //! - [`Work`] (`work.rs`) computes a picture in bands of rows from the top, each a tile.
-//!   [`PlainPixels`] spare most of several samples per pixel.
+//!   [`PlainPixels`] save most of the samples where pixels have several.
 //! - [`patch_work::PatchWork`] computes the [`patches`] of a film: cells of the lattice, each as
 //!   fine as the closest frame that shows it needs, in the order given.
 //! - [`explorer::Explorer`] computes what a window shows: cells of a lattice that does not move
 //!   with the view, first a few samples of each, last the finer samples at edges.
-//! - [`descent`] and [`Renderer`] build on [`Work`]; [`outlook()`] and [`opinion()`] judge answers.
+//! - [`descent`] and [`Renderer`] build on [`Work`]; [`outlook()`] and [`opinion()`] check answers.
 //!
 //! Nothing here depends on a graphics card: the tests run on the mock engine.
 

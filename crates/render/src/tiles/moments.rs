@@ -1,5 +1,5 @@
-//! The answers of a view's pendulums at later and later times: each trajectory is computed once, and
-//! continues from the state that it had at the time before.
+//! Answers of a view's pendulums at increasing times: each trajectory is computed once, and
+//! continues from its state at the previous time.
 
 use std::ops::Range;
 
@@ -32,13 +32,13 @@ struct Batch {
 }
 
 impl Moments {
-    /// The pendulums of a checked scene, whose question asks for a time, at their starts, in a picture
-    /// of `size` pixels.
+    /// Places the pendulums of a checked scene, whose question is about one moment, at their starts
+    /// in a picture of `size` pixels.
     pub fn new(scene: &Scene, size: [u32; 2], config: IntegratorConfig, job_size: usize) -> Self {
         Moments::of_rows(scene, size, config, job_size, 0..size[1])
     }
 
-    /// The pendulums of some rows of that picture.
+    /// Works like [`Moments::new`] for some rows of the picture.
     pub(crate) fn of_rows(
         scene: &Scene,
         size: [u32; 2],
@@ -72,13 +72,14 @@ impl Moments {
         Moments { question, config, reader, samples, batches, reached_secs: 0.0 }
     }
 
-    /// The states and ends that jobs return.
+    /// Returns the states and ends that jobs must return.
     fn keep(&self) -> Keep {
         Keep { ends: self.reader.ends(), states: true }
     }
 
-    /// Returns true if the frames of a checked film can be computed as one motion. Checks, and numbers
-    /// that cannot be carried on, begin every frame anew.
+    /// Returns true if the frames of a checked film can be computed as one motion. Otherwise, every
+    /// frame starts again: with checks, or with an integrator that cannot resume all that is
+    /// needed.
     pub fn can_make(film: &Film, verify: bool, config: &IntegratorConfig) -> bool {
         let first = &film.keys[0].scene.scene();
         film.kind() == FilmKind::Moments && !verify && Moments::are_possible(first, config)
@@ -97,7 +98,7 @@ impl Moments {
     }
 
     /// Continues all pendulums until `at_secs`, which must not lie before the time they have
-    /// reached, and returns the answers there; none once `keep_going` returns false.
+    /// reached, and returns the answers there; `None` once `keep_going` returns false.
     pub fn at(
         &mut self,
         engine: &mut dyn Engine,
@@ -116,7 +117,7 @@ impl Moments {
                 return Ok(None);
             };
             self.reader.fill(&result, &batch.places, &mut self.samples);
-            // Those that are not among the unfinished ones have failed.
+            // Pendulums that are not among the unfinished ones have failed.
             let place = |(k, state): (usize, _)| (batch.places[k], state);
             let (places, states): (Vec<u32>, Vec<_>) =
                 result.unfinished.into_iter().map(place).unzip();

@@ -45,7 +45,7 @@ impl OpenTile {
         };
         let samples = Samples::unflipped(pixels.len());
         let mut tile = OpenTile { samples, places: Vec::new(), starts: Starts::Rest(Vec::new()) };
-        // Those that are known are not grouped at all: most corners of pixels are.
+        // Known pixels are not grouped at all: of the corners of pixels, most are known.
         let open = (0..).zip(pixels.iter().copied()).filter(|(place, pixel)| match known(*pixel) {
             Some((SavedPixel::Over(outcome), trust)) => {
                 tile.set(*place, outcome, trust);
@@ -58,8 +58,8 @@ impl OpenTile {
         tile
     }
 
-    /// Creates a tile of an upright grid, of which nothing is known beforehand, on all cores; none where
-    /// a start has not the angles of its column and row.
+    /// Creates a tile of an upright grid of which nothing is known beforehand, on all cores; `None`
+    /// if a start does not have the angles of its column and row.
     pub(super) fn of_upright(grid: &Grid, tile: &Tile) -> Option<Self> {
         let ([x, y], [width, height]) = (tile.origin, tile.size);
         let upright = grid.upright(x..x + width, y..y + height)?;
@@ -73,8 +73,8 @@ impl OpenTile {
         Some(OpenTile { samples, places, starts: Starts::Upright(starts) })
     }
 
-    /// Creates a tile of samples of cells of one level, cell after cell; `known` takes the index of a cell
-    /// and the column and row of a sample in it.
+    /// Creates a tile of samples of cells of one level, cell after cell; `known` takes the index of
+    /// a cell and the column and row of a sample in it.
     pub(super) fn of_cells(
         scene: &Scene,
         config: IntegratorConfig,
@@ -96,8 +96,8 @@ impl OpenTile {
     }
 
     /// Sorts `count` pixels into known samples and starts. `pixel` returns the grid of a pixel, its
-    /// column and row, and what is known of it; deep pixels come with their `groups` by leaf and with
-    /// the plane of the leaves.
+    /// column and row, and what is known of it; `groups` holds deep pixels by leaf, with the plane
+    /// of the leaves.
     fn sorted<'a>(
         count: u32,
         groups: Option<(ExactPlane, Grouped)>,
@@ -117,7 +117,7 @@ impl OpenTile {
         tile
     }
 
-    /// Leaves out the starts of an upright tile whose samples are known.
+    /// Removes the starts of an upright tile whose samples are known.
     pub(super) fn sparing(mut self, known: impl Fn(u32) -> Option<(Outcome, Trust)>) -> Self {
         let mut places = std::mem::take(&mut self.places);
         places.retain(|&place| match known(place) {
@@ -196,7 +196,7 @@ impl OpenTile {
     }
 }
 
-/// The places of all runs of all rows, in their order.
+/// Returns the places of all runs of all rows, in their order.
 fn joined(rows: &[Vec<Range<u32>>]) -> Vec<u32> {
     let count = |row: &[Range<u32>]| row.iter().map(ExactSizeIterator::len).sum::<usize>();
     let mut places = vec![0; rows.iter().map(|row| count(row)).sum()];
@@ -216,8 +216,8 @@ fn joined(rows: &[Vec<Range<u32>>]) -> Vec<u32> {
     places
 }
 
-/// Fills in what is known of a row of an upright grid's tile, and returns the runs of its other places;
-/// none where a start has not the angles of its column and row.
+/// Fills in the known samples of a row of an upright grid's tile, and returns the runs of its other
+/// places; `None` if a start does not have the angles of its column and row.
 fn open_runs(
     grid: &Grid,
     upright: &SeparableGrid,
@@ -267,7 +267,7 @@ struct Sorted {
     places: Vec<u32>,
     starts: StartList,
     resumed: Vec<IntegratorState>,
-    /// True if the resumed ones were thrown.
+    /// True if resumed pendulums were thrown.
     thrown: bool,
 }
 
@@ -303,7 +303,7 @@ impl Sorted {
 }
 
 /// Returns the outcome of a deep pixel if it needs no integration. An unfinished pixel has no state
-/// of its own: a larger budget begins it anew.
+/// of its own: with a larger budget, it starts again.
 fn known_deep((grid, [x, y], known): (&Grid, [u32; 2], Option<Known>)) -> Option<(Outcome, Trust)> {
     match known {
         Some((SavedPixel::Over(outcome), trust)) => Some((outcome, trust)),
@@ -323,7 +323,8 @@ pub(super) struct Spacing {
 }
 
 impl Spacing {
-    /// Returns the leaves of cells, with the indices of their points among all samples of the cells.
+    /// Returns the leaves of cells, with the indices of their points among all samples of the
+    /// cells.
     fn leaves_of(self, cells: &[Cell]) -> Grouped {
         let Spacing { side, stride, leaf_pixels } = self;
         // A leaf may hold several cells.

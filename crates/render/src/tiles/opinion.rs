@@ -1,5 +1,5 @@
-//! A second opinion on a picture whose answers come from start maps or first moments: some of its
-//! pixels integrated directly.
+//! A second opinion on a picture whose answers come from start maps or first moments: integrates
+//! some of its pixels directly.
 
 use super::Samples;
 use super::direct_check::{AnsweredPixel, DirectCheck};
@@ -14,12 +14,12 @@ use flipmap_scene::{Grid, Scene};
 
 /// Maximum number of pixels that are integrated directly.
 const MOST: usize = 8;
-/// Number of pixels from which these are chosen, because some may be forbidden or marked.
+/// Number of random pixels from which those are chosen, because some may be forbidden or marked.
 const CANDIDATES: usize = 32;
 
-/// Integrates some pixels of a picture of `size` pixels directly, if start maps or first moments tell
-/// any of them. If one contradicts its answer, `engine` marks every pixel as uncertain from then on.
-/// Returns `None` for other pictures, or once `keep_going` returns false.
+/// Integrates some pixels of a picture of `size` pixels directly, if start maps or first moments
+/// answer any of them. If one contradicts its answer, `engine` marks every pixel as uncertain from
+/// then on. Returns `None` for other pictures, or once `keep_going` returns false.
 pub fn opinion(
     scene: &Scene,
     size: [u32; 2],
@@ -45,7 +45,7 @@ pub fn opinion(
     let Some(samples) = answers(scene, open, config, engine, &phase, keep_going)? else {
         return Ok(None);
     };
-    // In the pixels' order, which is random: leaves are not.
+    // In the pixels' order, which is random, unlike that of leaves.
     let is_sure = |place: &usize| {
         samples.trust(*place) != Trust::Uncertain && samples.get(*place).status != Status::Forbidden
     };
@@ -60,7 +60,8 @@ pub fn opinion(
     Ok(opinion)
 }
 
-/// The samples of an open tile, computed as those of a picture are; `None` once `keep_going` returns false.
+/// Computes the samples of an open tile as those of a picture; returns `None` once `keep_going`
+/// returns false.
 fn answers(
     scene: &Scene,
     open: OpenTile,
@@ -117,13 +118,13 @@ mod tests {
         Scene { view, question, ..Scene::default() }.checked().unwrap()
     }
 
-    /// A view deep enough for neighbours to move far apart.
+    /// Returns a view deep enough for neighbours to move far apart.
     fn deep(ask: QuestionName, secs: f64) -> Scene {
         let center = ["-1.65907312822246439054652000777423381805419921875", "0.1"];
         scene(center, "1e-9", ask, secs)
     }
 
-    /// A view whose starts pass the top a little after their first moments.
+    /// Returns a view whose starts pass the top a little after their first moments.
     fn near_the_top() -> Scene {
         scene(["0.62", "-3.1365"], "1e-9", QuestionName::Flip, 20.0)
     }

@@ -1,11 +1,11 @@
 //! The order in which a window's cells are computed.
 //!
-//! Passes over the view come one after the other, each with four times the samples of the one before,
-//! so that something is soon drawn everywhere; within a pass, the cells nearest to the pointer or the
-//! middle come first. Coarse cells that reach beyond the view follow the first pass, to stand in when the
-//! view moves; where cells are followed, they come first, because their larger leaves are known sooner.
-//! Once all of these are known, finer levels follow, of which only the samples at edges are computed
-//! (`refinement.rs`).
+//! Passes over the view come one after the other, each with four times the samples of the one
+//! before, so something is soon drawn everywhere; within a pass, the cells nearest to the pointer
+//! or the middle come first. Coarse cells that reach beyond the view come after the first pass, to
+//! stand in when the view moves; if starts are followed as cells, the coarse cells come first,
+//! because their larger leaves are known sooner. Once all of these are known, finer levels follow,
+//! of which only the samples at edges are computed (`refinement.rs`).
 
 use std::collections::HashSet;
 
@@ -29,7 +29,7 @@ pub(super) enum CellPass {
 }
 
 impl CellPass {
-    /// The samples of a cell that the pass has.
+    /// Returns the stride of the pass's samples in a cell.
     pub(super) fn stride(self) -> Stride {
         match self {
             CellPass::Own(stride) => stride,
@@ -39,15 +39,15 @@ impl CellPass {
     }
 }
 
-/// A canonical cell to be known, and its pass.
+/// A canonical cell that is wanted, and its pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Wanted {
     pub cell: Cell,
     pub pass: CellPass,
 }
 
-/// Returns the cells that a target needs, pass by pass, without those of finer levels. There are no more
-/// than `most` different ones.
+/// Returns the cells that a target needs, pass by pass, without those of finer levels; at most
+/// `most` different ones.
 pub(super) fn wanted(target: &ViewTarget, most: usize) -> Vec<Wanted> {
     let mut own = nearest_first(target, target.level);
     own.truncate(most);
@@ -73,7 +73,8 @@ pub(super) fn finer(target: &ViewTarget, levels: u32) -> Vec<Wanted> {
     cells.map(|cell| Wanted { cell, pass: CellPass::Finer }).collect()
 }
 
-/// Returns the canonical cells of a level in view, each once.
+/// Returns the canonical cells of a level in view, each once, the nearest to the pointer or the
+/// middle first.
 fn nearest_first(target: &ViewTarget, level: u32) -> Vec<Cell> {
     let mirrors = target.physics.mirrors();
     let mut placed = target.region.cells(level, MAX_CELLS);
@@ -88,9 +89,9 @@ fn nearest_first(target: &ViewTarget, level: u32) -> Vec<Cell> {
     canonical.filter(|cell| seen.insert(*cell)).collect()
 }
 
-/// Number of samples along a leaf of the cells of a level; those of the target's level have `finest`. Finer
-/// levels have the same leaves, so that what is followed for one need not be followed again; the last
-/// digits of their samples then depend on the target.
+/// Returns the number of samples along a leaf of the cells of a level; at the target's level it is
+/// `finest`. Finer levels have the same leaves, so a leaf that was followed for one level need not
+/// be followed again; the last digits of their samples then depend on the target.
 pub(super) fn leaf_pixels(finest: u32, target_level: u32, level: u32) -> u32 {
     finest << level.saturating_sub(target_level)
 }

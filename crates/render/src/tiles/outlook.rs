@@ -1,4 +1,4 @@
-//! The accuracy to expect of an unchecked picture, estimated from a sample of its pixels.
+//! Estimates the accuracy of an unchecked picture from a sample of its pixels.
 
 use super::direct_check::{AnsweredPixel, DirectCheck};
 use super::open_tile::OpenTile;
@@ -14,11 +14,12 @@ const SAMPLE: u32 = 256;
 /// leaves that have to be followed.
 const TOGETHER: u32 = 16;
 
-/// Number of pixels that are integrated directly, where start maps or first moments tell answers; one
-/// where that takes seconds.
+/// Number of pixels that are integrated directly if start maps or first moments answer them; one if
+/// that takes seconds.
 const DIRECT_PIXELS: usize = 2;
 
-/// Returns the outlook of a picture of `size` pixels, or `None` once `keep_going` returns false.
+/// Estimates the accuracy of a picture of `size` pixels; returns `None` once `keep_going` returns
+/// false.
 pub fn outlook(
     scene: &Scene,
     size: [u32; 2],
@@ -55,7 +56,7 @@ pub fn outlook(
         let values = values[..scene.question.ask.kind().channels.len()].to_vec();
         is_asked.then_some(AnsweredPixel { pixel: [column, row], status, values })
     });
-    // Far apart in the sample, so that not all are of one leaf.
+    // Pixels far apart in the sample, so that they do not all lie in one leaf.
     let asked: Vec<_> = asked.collect();
     let most = if check.takes_long() { 1 } else { DIRECT_PIXELS };
     let apart = asked.len().div_ceil(most).max(1);

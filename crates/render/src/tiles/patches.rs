@@ -14,7 +14,7 @@ pub(crate) const PATCH_SIDE: u32 = 16;
 /// Samples in a patch.
 pub(crate) const PATCH_SAMPLES: usize = (PATCH_SIDE * PATCH_SIDE) as usize;
 /// Factor by which samples may lie farther apart than required. Levels differ by a factor of two,
-/// so that samples lie farther apart than required as often as closer.
+/// so samples lie farther apart than required as often as closer.
 pub(crate) const SLACK: f64 = std::f64::consts::SQRT_2;
 /// Width in pixels of the margin around a frame that counts as seen.
 const MARGIN_PIXELS: f64 = 1.5;
@@ -30,7 +30,7 @@ pub(crate) struct Sight {
     center: [Turn; 2],
     /// Unit vectors to the right and up.
     axes: [[f64; 2]; 2],
-    /// Half the extent along each of them in rad, margin included.
+    /// Half the extent along each axis in rad, margin included.
     half_rad: [f64; 2],
     /// Required distance between samples in rad.
     pitch_rad: f64,
@@ -91,7 +91,7 @@ impl Sight {
     }
 }
 
-/// The shortest way around the torus from one place to another, rad.
+/// Returns the shortest offset on the torus from one place to another, rad.
 pub(crate) fn offset_rad(to: [Turn; 2], from: [Turn; 2]) -> [f64; 2] {
     let half = Turn::from_f64(0.5);
     [0, 1].map(|i| ((to[i] - from[i] + half).wrapped() - half).to_f64() * std::f64::consts::TAU)
@@ -115,7 +115,7 @@ fn descend(cell: Cell, near: &[&Sight], all: &[Sight], found: &mut Vec<Cell>) {
     }
 }
 
-/// Returns the patches that have to be computed: only one of a cell and its mirror image.
+/// Returns the patches that have to be computed: only one of each cell and its mirror image.
 pub(crate) fn canonical(patches: &[Cell]) -> Vec<Cell> {
     let mut seen = HashSet::new();
     let canonical = patches.iter().map(|cell| cell.canonical().0);

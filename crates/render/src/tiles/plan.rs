@@ -12,7 +12,7 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// The column and row of a pixel, by its place among [`Tile::pixels`].
+    /// Returns the column and row of a pixel, by its place among [`Tile::pixels`].
     pub(crate) fn pixel(&self, place: u32) -> [u32; 2] {
         let ([x, y], width) = (self.origin, self.size[0]);
         [x + place % width, y + place / width]

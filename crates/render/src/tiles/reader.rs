@@ -1,4 +1,4 @@
-//! The reading of a question's channels from the results of jobs.
+//! Reads a question's channels from the results of jobs.
 
 use rayon::prelude::*;
 
@@ -16,18 +16,18 @@ pub struct Reader {
     /// The pendulum in reduced units, and its unit of time in s.
     pendulum: Pendulum<f64>,
     unit_secs: f64,
-    /// Reduced time at which answers about a moment lie.
+    /// Moment, in reduced time, that answers about a moment describe.
     at: f64,
 }
 
 impl Reader {
-    /// A reader of the answers to `ask` in results of jobs with this question.
+    /// Creates a reader of the answers to `ask` in results of jobs with this question.
     pub fn new(ask: QuestionName, question: &EventSpec) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         Reader { ask, pendulum, unit_secs, at: question.budget_secs / unit_secs }
     }
 
-    /// The ends that jobs must return.
+    /// Returns the ends that jobs must return.
     pub fn ends(&self) -> WantedEnds {
         self.ask.kind().needs.into()
     }
@@ -45,12 +45,12 @@ impl Reader {
         }
     }
 
-    /// The same reader for answers at the end of another budget.
+    /// Returns the same reader for answers at the end of another budget.
     pub(super) fn at(self, question: &EventSpec) -> Self {
         Reader { at: question.budget_secs / self.unit_secs, ..self }
     }
 
-    /// The status of an answer and its channels.
+    /// Returns the status of an answer and its channels.
     pub fn read(&self, outcome: &Outcome, end: &FinalState) -> (Status, [f64; MAX_CHANNELS]) {
         let ends_at_a_time = self.ask.kind().at_a_time && outcome.status == Status::Unflipped;
         let (mut phase, mut gathered) = (end.phase, end.gathered);
@@ -74,8 +74,8 @@ impl Reader {
         (status, (self.ask.kind().read)(&ending))
     }
 
-    /// Gives samples that were known beforehand all channels of the question; `phase` returns the unit
-    /// vectors and momenta of a sample that passes the top in its first moments, as it does.
+    /// Fills in all channels of samples that were known beforehand. If a sample passes the top in
+    /// its first moments, `phase` returns its unit vectors and momenta at that pass.
     pub(super) fn complete(
         &self,
         samples: Samples,

@@ -1,9 +1,9 @@
 //! Finer samples at edges, computed once a view is known and nothing else is left to do.
 //!
-//! A sample is *plain* if it and its neighbours in the cell have the same status and, where they have
-//! values, these lie on straight lines. All that finer samples could show there is known: the values
-//! between them. So a quarter of plain samples is left as it is, and in the others only the samples
-//! at edges are computed, if the question asks for a time; of others all are:
+//! A sample is *plain* if it and its neighbours in the cell have the same status and their values,
+//! if any, lie on straight lines: finer samples could only show the values in between. So a quarter
+//! with only plain samples is left as it is. In the other quarters, only the samples at edges are
+//! computed if the question asks for a time; otherwise all are:
 //!
 //! ```text
 //!   ┌───┬───┬───┬───┐        ┌───┬───┬───┬───┐
@@ -13,9 +13,9 @@
 //!   └───┴───┴───┴───┘        └───┴───┴───┴───┘
 //! ```
 //!
-//! Lines end at the borders of a cell, so that what is plain does not depend on which of its neighbours
-//! are known. Nor does it depend on colours, as the plain pixels of a picture do (`adaptive.rs`): they
-//! may change at any time, and compute nothing.
+//! Lines end at the borders of a cell, so a sample is plain or not regardless of which neighbouring
+//! cells are known. Colours do not matter either, unlike for the plain pixels of a picture
+//! (`adaptive.rs`): they may change at any time without computing anything.
 
 use std::sync::Arc;
 
@@ -26,14 +26,15 @@ use super::view_target::ViewTarget;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::lattice::{Cell, DEEPEST, SIDE};
 
-/// Something about the quarters of a cell, row by row from the upper left.
+/// A flag for each quarter of a cell, row by row from the upper left.
 pub(super) type Quarters = [bool; 4];
 
-/// Greatest bend of a line, as a share of its rise, at which the values between are known from it.
+/// Largest bend of a line, as a share of its rise, at which values are interpolated.
 const STRAIGHT: f64 = 0.125;
-/// Greatest bend as a share of the value itself: rounding.
+/// Largest bend, as a share of the value itself, that is taken for rounding.
 const ROUNDING: f64 = 1e-9;
-/// Steps to the neighbours on one side of the four lines through a sample; the first two give its slope.
+/// Steps to the neighbours on one side of the four lines through a sample; the first two lines give
+/// its slope.
 const LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 
 /// The finer levels of a view: how many it may have, and how many have begun.
@@ -44,7 +45,7 @@ pub(super) struct Refinement {
 }
 
 impl Refinement {
-    /// The finer levels of a target of which no more than `most` cells are in view; `begun` of them
+    /// Creates the finer levels of a target, each with at most `most` cells in view; `begun` levels
     /// had begun for the same view.
     pub(super) fn of(target: &ViewTarget, most: usize, begun: u32) -> Self {
         let fits = |n: &u32| {
@@ -55,7 +56,7 @@ impl Refinement {
         Refinement { begun: begun.min(last), last }
     }
 
-    /// Begins the next finer level; false if there is none.
+    /// Begins the next finer level; returns false if there is none.
     pub(super) fn begin_next(&mut self) -> bool {
         let goes_on = self.begun < self.last;
         self.begun += u32::from(goes_on);
@@ -72,8 +73,8 @@ pub(super) fn edges(samples: &Samples) -> Quarters {
     })
 }
 
-/// Returns how the first value of a plain sample rises from column to column and from row to row; none
-/// if the sample is not plain.
+/// Returns the rise of a plain sample's first value from column to column and from row to row;
+/// `None` if the sample is not plain.
 fn slope(samples: &Samples, place: [i32; 2]) -> Option<[f64; 2]> {
     let middle = index(place)?;
     let status = samples.get(middle).status;
@@ -95,8 +96,8 @@ fn slope(samples: &Samples, place: [i32; 2]) -> Option<[f64; 2]> {
     Some(slope)
 }
 
-/// Returns the rise of the first value from sample to sample along a line through one, to those of its
-/// neighbours that are in the cell; none if the values of a channel do not lie on a line.
+/// Returns the rise of the first value from sample to sample along a line through a sample and its
+/// neighbours in the cell; `None` if the values of a channel do not lie on a line.
 fn line(samples: &Samples, middle: usize, sides: [Option<usize>; 2]) -> Option<f64> {
     let of = |side: usize, channel: usize| samples.values(side)[channel];
     let (before, after) = match sides {
@@ -120,7 +121,7 @@ fn index([x, y]: [i32; 2]) -> Option<usize> {
     (side.contains(&x) && side.contains(&y)).then(|| (y * side.end + x) as usize)
 }
 
-/// The samples of a cell from which those of one of its quarters follow.
+/// The samples of a cell from which those of one of its quarters are interpolated.
 #[derive(Debug)]
 pub(super) struct Coarser {
     samples: Arc<Samples>,
@@ -138,14 +139,15 @@ pub(super) fn quarter_of(child: &Cell, parent: &Cell, mirrored: bool) -> usize {
 }
 
 impl Coarser {
-    /// The samples of a child's parent, or of the parent's mirror image.
+    /// Takes the samples of a child's parent, or of the parent's mirror image.
     pub(super) fn of(child: &Cell, parent: &Cell, samples: Arc<Samples>, mirrored: bool) -> Self {
         let quarter = quarter_of(child, parent, false) as u32;
         let first = [quarter % 2, quarter / 2].map(|half| half * SIDE / 2);
         Coarser { samples, mirrored, first }
     }
 
-    /// Returns what is known of a column and row in the quarter's own cell; none if it has to be computed.
+    /// Returns the interpolated sample at a column and row of the quarter's own cell; `None` if it
+    /// has to be computed.
     pub(super) fn known(&self, [x, y]: [u32; 2]) -> Option<Known> {
         let [mut column, mut row] = [self.first[0] + x / 2, self.first[1] + y / 2];
         // From the middle of the coarse sample to that of the fine one.
@@ -167,7 +169,8 @@ mod tests {
     use super::*;
     use flipmap_scene::lattice::SAMPLES;
 
-    /// A cell whose samples flip at these times; those with a negative one do not.
+    /// Returns a cell whose samples flip at these times; a sample with a negative time does not
+    /// flip.
     fn cell(time: impl Fn(f64, f64) -> f64) -> Samples {
         let mut samples = Samples::unflipped(SAMPLES);
         for place in 0..SAMPLES {

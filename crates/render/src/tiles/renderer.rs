@@ -33,7 +33,7 @@ enum MaybeChecked {
     Checked(Box<TrustEngine<'static>>),
 }
 
-/// Renders by a chosen engine, with checks where its request has them.
+/// Creates a renderer with a chosen engine, with checks if its request asks for them.
 impl TryFrom<Chosen> for Renderer {
     type Error = EngineError;
 
@@ -44,14 +44,14 @@ impl TryFrom<Chosen> for Renderer {
 }
 
 impl Renderer {
-    /// Chooses and starts the engine of a request. Pixels are checked at the level `exact`, and where the
-    /// request says so.
+    /// Chooses and starts the engine of a request. Pixels are checked at the level `exact`, or if
+    /// the request says so.
     pub fn new(request: &EngineRequest) -> Result<Self, ChoiceError> {
         Ok(Renderer::try_from(choose(request, &|_| {})?)?)
     }
 
-    /// Renders by an engine of one's own; with `verify` every pixel is checked, on `threads` threads of
-    /// the processor or on one for each core.
+    /// Creates a renderer with the given engine; with `verify`, every pixel is checked, on
+    /// `threads` threads of the processor or on one for each core.
     pub fn of(
         engine: Box<dyn Engine>,
         config: IntegratorConfig,
@@ -66,17 +66,17 @@ impl Renderer {
         Ok(Renderer { engine, config, counts: Counts::default() })
     }
 
-    /// Method, tolerance and number type of the pixels.
+    /// Returns the method, tolerance and number type of the pixels.
     pub fn config(&self) -> IntegratorConfig {
         self.config
     }
 
-    /// Counts of the last picture.
+    /// Returns the counts of the last picture.
     pub fn counts(&self) -> Counts {
         self.counts
     }
 
-    /// The engine, with its checks if there are any.
+    /// Returns the engine, with its checks if there are any.
     pub fn engine(&mut self) -> &mut dyn Engine {
         match &mut self.engine {
             MaybeChecked::Unchecked(engine) => engine.as_mut(),
@@ -84,7 +84,7 @@ impl Renderer {
         }
     }
 
-    /// The engine alone, for a loop of its own.
+    /// Returns the engine alone, for a loop outside the renderer.
     pub fn into_engine(self) -> Box<dyn Engine> {
         match self.engine {
             MaybeChecked::Unchecked(engine) => engine,
@@ -92,7 +92,7 @@ impl Renderer {
         }
     }
 
-    /// Integrates some pixels of a deep picture directly if pixels are checked (see [`opinion()`]).
+    /// Integrates some pixels of a picture directly if pixels are checked (see [`opinion()`]).
     pub fn second_opinion(
         &mut self,
         scene: &Scene,
@@ -108,12 +108,12 @@ impl Renderer {
         }
     }
 
-    /// The work of a picture of `size` pixels, for a loop that takes tiles as they finish.
+    /// Returns the work of a picture of `size` pixels, for a loop that takes tiles as they finish.
     pub fn work(&mut self, scene: &Scene, size: [u32; 2]) -> Work {
         self.sampled_work(scene, size, Sampling::SINGLE)
     }
 
-    /// The work of other samples of that picture's pixels.
+    /// Returns the work of a picture whose pixels are sampled by `sampling`.
     pub(crate) fn sampled_work(
         &mut self,
         scene: &Scene,
@@ -124,15 +124,15 @@ impl Renderer {
         Work::sampled(&scene.clone().settled(), (size, sampling), self.config, tile_pixels)
     }
 
-    /// The samples of a checked scene in `size` pixels, by rows from the top; an error if the pixels lie
-    /// too close together for the question or the plane.
+    /// Returns the samples of a checked scene in `size` pixels, row by row from the top; an error
+    /// if the pixels lie too close together for the question or the plane.
     pub fn render(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Samples, EngineError> {
         let samples = self.render_while(scene, size, &|_| true)?;
         Ok(samples.expect("it is never stopped"))
     }
 
-    /// The samples of a checked scene; `None` once `keep_going`, which takes the counts so far, returns
-    /// false.
+    /// Returns the samples of a checked scene; `None` once `keep_going`, which takes the counts so
+    /// far, returns false.
     pub fn render_while(
         &mut self,
         scene: &Scene,

@@ -34,11 +34,12 @@ impl Samples {
 
     /// Number of channels of each sample.
     pub fn channels(&self) -> usize {
-        // Nearly always, and without a division.
+        // The usual case, without a division.
         if self.values.len() == self.len() { 1 } else { self.values.len() / self.len().max(1) }
     }
 
-    /// Returns true if every sample has `channels` values and a trust; those read from a file may not.
+    /// Returns true if every sample has `channels` values and a trust; samples read from a file may
+    /// not.
     pub(crate) fn are_whole(&self, channels: usize) -> bool {
         let count = self.len();
         self.trusts.len() == count && self.values.len() == count * channels
@@ -59,8 +60,8 @@ impl Samples {
         Outcome { status: self.statuses[index], time: self.values(index)[0] }
     }
 
-    /// Returns the values of the channels of sample `index`; they mean nothing unless it has an
-    /// answer, which the status `Answered` says.
+    /// Returns the values of the channels of sample `index`; they are meaningless unless its status
+    /// is `Answered`.
     pub fn values(&self, index: usize) -> &[f64] {
         let channels = self.channels();
         &self.values[index * channels..(index + 1) * channels]
@@ -80,7 +81,7 @@ impl Samples {
 
     /// Replaces the outcomes of the samples at `places`, whose only channel is a time.
     pub(crate) fn set_all(&mut self, places: &[u32], outcomes: &[Outcome]) {
-        // Shares of rising places lie apart, so that each thread has samples of its own.
+        // Shares of sorted places do not overlap, so each thread has samples of its own.
         let share = if places.is_sorted() { SHARE } else { places.len().max(1) };
         let (mut statuses, mut times) = (&mut self.statuses[..], &mut self.values[..]);
         let (mut parts, mut first) = (Vec::new(), 0);
@@ -106,7 +107,7 @@ impl Samples {
         self.values[first..first + values.len()].copy_from_slice(values);
     }
 
-    /// Rows of `width` samples with one channel, to be filled on all cores.
+    /// Returns rows of `width` samples with one channel, to be filled on all cores.
     pub(super) fn rows_mut(
         &mut self,
         width: usize,
@@ -127,7 +128,7 @@ impl Samples {
         self.trusts[index] = trust;
     }
 
-    /// Marks every sample that was sure.
+    /// Marks every checked sample as uncertain.
     pub(crate) fn distrust(&mut self) {
         for trust in &mut self.trusts {
             if *trust != Trust::Unchecked {
@@ -153,7 +154,8 @@ impl Samples {
         self.trusts.extend(other.trusts);
     }
 
-    /// Replaces the samples from index `first` on by some of others, of the same question.
+    /// Replaces the samples from index `first` on by those at `places` in `other`, which must
+    /// answer the same question.
     pub(super) fn copy(&mut self, first: usize, other: &Samples, places: Range<usize>) {
         let own = first..first + places.len();
         let channels = self.channels();
@@ -163,7 +165,7 @@ impl Samples {
         self.trusts[own].copy_from_slice(&other.trusts[places]);
     }
 
-    /// Returns the first `count` samples in reverse: those of a tile become those of its mirror image.
+    /// Returns the first `count` samples in reverse, which turns a tile into its mirror image.
     pub fn image(&self, count: usize) -> Self {
         let channels = self.channels();
         let values = self.values[..count * channels].par_chunks(SHARE * channels).rev();
@@ -202,7 +204,7 @@ pub(super) struct RowMut<'a> {
 }
 
 impl RowMut<'_> {
-    /// Says of some samples that energy forbids a flip.
+    /// Marks samples whose energy forbids a flip.
     pub(super) fn forbid(&mut self, columns: Range<usize>) {
         self.statuses[columns].fill(Status::Forbidden);
     }
@@ -261,7 +263,7 @@ impl Counts {
     }
 }
 
-/// Numbers of samples by status, and by trust where a flip is possible.
+/// Counts samples by status, and by trust where a flip is possible.
 fn counted((statuses, trusts): (&[Status], &[Trust])) -> ([u64; 4], [u64; 5]) {
     let (mut by_status, mut by_trust) = ([0; 4], [0; 5]);
     for (status, trust) in statuses.iter().zip(trusts) {
@@ -286,8 +288,8 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
-/// The number that stands in an array for a channel of a sample with this status: its value, `+inf`
-/// for unflipped and failed, NaN for forbidden.
+/// Returns the number that stands in an array for a channel of a sample with this status: its
+/// value, `+inf` for unflipped and failed, NaN for forbidden.
 pub(crate) fn number_of(status: Status, value: f64) -> f64 {
     match status {
         Status::Answered => value,

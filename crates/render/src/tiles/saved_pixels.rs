@@ -30,7 +30,7 @@ pub(crate) enum SavedPixel {
 impl SavedPixels {
     /// Returns what is known of pixel `index`.
     pub(crate) fn known(&self, index: u64) -> Option<SavedPixel> {
-        // A question with more channels than a time has them set later.
+        // Further channels of a question are set later.
         let over = self.values(index).map(|values| Outcome::flipped(values[0]));
         let failed = || {
             let failed = self.failed.binary_search(&index).is_ok();

@@ -1,5 +1,5 @@
-//! The samples of a cell that a pass computes: one in each square of places, on a grid that the next
-//! pass completes, so that no sample is computed twice.
+//! The samples of a cell that a pass computes: one in each square of places, on a grid that the
+//! next pass completes, so no sample is computed twice.
 //!
 //! ```text
 //!   . . . . . . . .      . . . . . . . .      x . x . x . x .
@@ -13,7 +13,7 @@
 //!      stride 8             stride 4             stride 2
 //! ```
 
-/// Distance between the samples of a pass, in those of the cell: a power of two, at most 8.
+/// Distance between the samples of a pass, in places of the cell: a power of two, at most 8.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Stride(u32);
 
@@ -24,7 +24,7 @@ const FIRST: u32 = 2;
 impl Stride {
     /// All samples.
     pub const ONE: Stride = Stride(1);
-    /// A quarter of them.
+    /// A quarter of all samples.
     pub(crate) const TWO: Stride = Stride(2);
     /// The strides of the passes over a cell, each with four times the samples of the one before.
     pub(crate) const PASSES: [Stride; 4] = [Stride(8), Stride(4), Stride(2), Stride(1)];
@@ -39,12 +39,12 @@ impl Stride {
         FIRST % self.0
     }
 
-    /// Number of samples along a side of a cell with `side` places there.
+    /// Number of samples along a side of a cell with `side` places.
     pub fn side(self, side: u32) -> u32 {
         side / self.0
     }
 
-    /// Number of samples in such a cell.
+    /// Number of samples in a cell with `side` places along a side.
     pub(crate) fn count(self, side: u32) -> u32 {
         self.side(side) * self.side(side)
     }
@@ -54,7 +54,7 @@ impl Stride {
         [index % self.side(side), index / self.side(side)].map(|k| self.first() + k * self.0)
     }
 
-    /// Returns the index of the sample at a column and row; none if they have no sample.
+    /// Returns the index of the sample at a column and row; `None` if there is no sample.
     pub fn index(self, place: [u32; 2], side: u32) -> Option<u32> {
         let index = self.nearest(place, side);
         (self.place(index, side) == place).then_some(index)

@@ -9,7 +9,8 @@ use flipmap_scene::{Budget, PendulumSpec, Plane, QuestionSettings, Scene};
 pub struct Physics {
     /// The pendulum.
     pub build: PendulumSpec,
-    /// The question; answers that a larger budget only adds to have the default budget here.
+    /// The question. If it asks for a time, it has the default budget here, because a larger budget
+    /// only adds answers.
     pub question: QuestionSettings,
     /// The plane of starts.
     pub plane: Plane,
@@ -20,7 +21,7 @@ pub struct Physics {
 }
 
 impl Physics {
-    /// The physics of a scene's pixels.
+    /// Returns the physics of a scene's pixels.
     pub fn of(scene: &Scene, config: IntegratorConfig, verified: bool) -> Self {
         let Scene { build, mut question, ref plane, .. } = *scene;
         if question.ask.is_time() {
@@ -34,8 +35,9 @@ impl Physics {
         self.plane.is_symmetric() && self.question.ask.kind().is_even
     }
 
-    /// Returns true if jobs return states, to be resumed with a larger budget. Checks begin at the
-    /// release, and answers of other questions than times are computed anew.
+    /// Returns true if jobs return states, to be resumed with a larger budget. Checked pixels start
+    /// at the release instead, and answers to questions that do not ask for a time are computed
+    /// again.
     pub(super) fn keeps_states(&self) -> bool {
         self.question.ask.is_time() && !self.verified
     }
@@ -59,20 +61,20 @@ pub struct ViewTarget {
 }
 
 impl ViewTarget {
-    /// The same target with samples twice as far apart, a quarter of the work: for a view that is left
-    /// again soon.
+    /// Returns the target with samples twice as far apart, a quarter of the work, for a view that
+    /// will soon change.
     pub fn coarser(self) -> Self {
         ViewTarget { level: self.level.saturating_sub(1), ..self }
     }
 
-    /// Returns true if another target differs at most in what comes first and what comes after.
+    /// Returns true if another target differs at most in its pointer and its number of refinements.
     pub(super) fn is_same_view(&self, other: &ViewTarget) -> bool {
         let ViewTarget { pointer, refinements, .. } = *self;
         ViewTarget { pointer, refinements, ..other.clone() } == *self
     }
 
-    /// Returns a scene with the pendulum, the question and the plane; its view is not used, because the
-    /// lattice places the samples.
+    /// Returns a scene with the pendulum, the question and the plane; its view is not used, because
+    /// the lattice places the samples.
     pub(super) fn scene(&self) -> Scene {
         let Physics { build, question, ref plane, .. } = self.physics;
         let question = QuestionSettings { budget: Budget::secs(self.budget_secs), ..question };

@@ -48,7 +48,7 @@ pub struct Work {
 const MIRROR_BYTES: u64 = 320 << 20;
 
 /// Largest number of pixels of a deep tile that is as high as its leaves. Lower bands would follow
-/// each leaf again and again.
+/// each leaf several times.
 const MAX_DEEP_PIXELS: usize = 1 << 20;
 
 impl Work {
@@ -63,7 +63,7 @@ impl Work {
         Work::sampled(scene, (size, Sampling::SINGLE), config, tile_pixels)
     }
 
-    /// Creates the work for other samples of that picture's pixels.
+    /// Creates the work for a picture whose pixels are sampled by `sampling`.
     pub(crate) fn sampled(
         scene: &Scene,
         (size, sampling): ([u32; 2], Sampling),
@@ -78,7 +78,7 @@ impl Work {
         Work { mirrored, ..Work::of_rows(scene, (size, sampling), config, tile_pixels, 0..rows) }
     }
 
-    /// Creates the work for some rows of those samples, without a mirror image of them.
+    /// Creates the work for some rows of samples, without their mirror image.
     pub(crate) fn of_rows(
         scene: &Scene,
         (size, sampling): ([u32; 2], Sampling),
@@ -108,13 +108,13 @@ impl Work {
     }
 
     /// Uses the leaves of the same scene in `size` pixels, a larger picture that is computed next,
-    /// so that both follow the same references.
+    /// so both follow the same references.
     pub fn before(mut self, scene: &Scene, size: [u32; 2]) -> Self {
         self.grid = self.grid.in_leaves_of(&Grid::new(scene, size));
         self
     }
 
-    /// Follows other starts as cells than the integrator needs.
+    /// Sets the starts that are followed as cells; the default is [`Cells::Auto`].
     pub fn with_cells(mut self, cells: Cells) -> Self {
         self.cells = cells;
         self
@@ -178,8 +178,8 @@ impl Work {
         self.plain.as_ref().map_or(self.counts, |plain| plain.counts_with(self.counts))
     }
 
-    /// Returns the pixels of an earlier run that need not be computed again. Those of deep views do:
-    /// answers from a line of samples depend on the budget in their last digits.
+    /// Returns the pixels of an earlier run that need not be computed again. Pixels of deep views
+    /// must be, because the last digits of answers from a line of samples depend on the budget.
     fn saved(&self) -> Option<&SavedPixels> {
         self.kept.as_ref().filter(|_| !self.follows_cells())
     }
@@ -212,7 +212,7 @@ impl Work {
         Some((saved, Trust::Unchecked))
     }
 
-    /// Index of a pixel in the picture, row by row from the top.
+    /// Returns the index of a pixel in the picture, row by row from the top.
     fn index(&self, [x, y]: [u32; 2]) -> u64 {
         u64::from(y) * u64::from(self.grid.size()[0]) + u64::from(x)
     }
@@ -236,7 +236,7 @@ impl Work {
         self.kept = Some(kept);
     }
 
-    /// Counts a tile and its mirror image, if there is one, and queues them to be handed back.
+    /// Counts a tile and its mirror image, if there is one, and queues them to be returned.
     fn finish(&mut self, tile: Tile, samples: Samples) {
         let image = if self.mirrored { self.mirror_of(&tile, &samples) } else { None };
         for part in [Some(FinishedTile { tile, samples }), image].into_iter().flatten() {
@@ -245,8 +245,8 @@ impl Work {
         }
     }
 
-    /// Returns the mirror image in the lower half of a band of the upper one, without a middle row
-    /// that is its own image; `None` if no rows remain.
+    /// Returns the mirror image, in the lower half, of a band in the upper half, without a middle
+    /// row that is its own image; `None` if no rows remain.
     fn mirror_of(&self, tile: &Tile, samples: &Samples) -> Option<FinishedTile> {
         let [width, height] = self.grid.size();
         let own_image = (tile.origin[1] + tile.size[1]) * 2 > height;

@@ -18,7 +18,7 @@ pub(super) const IMAGE: &str = "map.dzi";
 pub(super) const TILES: &str = "map_files";
 /// Page that shows the tiles.
 pub(super) const PAGE: &str = "index.html";
-/// File of the scene, to be rendered again.
+/// File with the scene, for rendering the picture again.
 pub(super) const SCENE: &str = "map.toml";
 
 /// Names in the temporary folder: `NEW` is the pyramid being written, `OLD` the one it replaces.
@@ -35,7 +35,7 @@ pub struct PyramidFolder {
 }
 
 impl PyramidFolder {
-    /// Begins a folder; refuses at once what would fail at the end.
+    /// Begins a folder; refuses at once a destination that could not be replaced at the end.
     pub(crate) fn create(path: &Path) -> io::Result<Self> {
         if path.is_symlink() && !path.exists() {
             return Err(io::Error::other("is a link to nothing: remove it, or name a folder"));
@@ -62,10 +62,11 @@ impl PyramidFolder {
         self.beside.path().join(NEW)
     }
 
-    /// Puts the pyramid in its place. If that fails, it is kept, since it may have taken hours, and
-    /// the error says where.
+    /// Renames the pyramid to its destination. If that fails, the pyramid, which may have taken
+    /// hours, is kept, and the error says where.
     pub fn finish(self) -> io::Result<()> {
-        // Another run would remove a folder that nobody holds; from here on it may be all there is.
+        // Other runs remove a folder whose held file is unlocked, and keep one without such a file:
+        // from here on, this folder may hold the only copy.
         let unheld = fs::remove_file(self.beside.path().join(HELD));
         let Err(error) = unheld.and_then(|()| self.replace()) else { return Ok(()) };
         let kept = self.beside.keep().join(NEW);
@@ -89,7 +90,8 @@ impl PyramidFolder {
     }
 }
 
-/// Refuses to replace what is there, unless it is empty, or a pyramid of ours and nothing else.
+/// Refuses to replace anything but an empty folder, or one that holds a pyramid of flipmap's and
+/// nothing else.
 fn check_replaceable(path: &Path) -> io::Result<()> {
     if !path.exists() {
         return Ok(());
@@ -110,7 +112,7 @@ fn check_replaceable(path: &Path) -> io::Result<()> {
     Err(io::Error::other(text))
 }
 
-/// Refuses a folder where another disk is mounted: nothing beside it can be renamed onto it.
+/// Refuses a folder where another disk is mounted: a folder beside it cannot be renamed onto it.
 fn check_same_disk(path: &Path, folder: &Path) -> io::Result<()> {
     #[cfg(unix)]
     if path.exists() {

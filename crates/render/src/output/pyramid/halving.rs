@@ -1,11 +1,11 @@
-//! Pictures at half their size: the mean of four pixels in linear light.
+//! Halves pictures: each pixel becomes the mean of four, in linear light.
 
 use super::RGB;
 use flipmap_scene::palette::encoded;
 use flipmap_scene::palette::light_table;
 
-/// Tables for the mean of four channel values: the light of each value as a whole number, and the
-/// value of each sum of four. Fine enough that the two darkest values are twenty steps apart.
+/// Tables for the mean of four channel values: the light of each value as an integer, and the value
+/// for each sum of four. The steps are so fine that the two darkest values are twenty apart.
 pub(super) struct Halving {
     light: [u32; 256],
     channel: Vec<u8>,

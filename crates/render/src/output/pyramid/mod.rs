@@ -2,8 +2,8 @@
 //!
 //! The format is Deep Zoom: `map.dzi` gives the size of the picture, and
 //! `map_files/LEVEL/COLUMN_ROW.png` are its tiles. Each level is half as large as the next, down to
-//! one pixel at level 0. One row of tiles of every level is held in memory, so that a picture's
-//! height does not matter.
+//! one pixel at level 0. Only one row of tiles per level is held in memory, whatever the picture's
+//! height.
 
 mod folder;
 mod halving;
@@ -60,7 +60,7 @@ impl Pyramid {
         feed(&mut self.levels, &self.halving, rgb)
     }
 
-    /// Returns the complete folder, not yet in its place.
+    /// Returns the complete folder, not yet renamed to its destination.
     pub fn complete(self) -> Result<PyramidFolder, PngError> {
         if self.levels[0].rows_left > 0 {
             let text = format!("{} rows have not come", self.levels[0].rows_left);
@@ -70,7 +70,7 @@ impl Pyramid {
     }
 }
 
-/// The sizes of the levels of a `size` picture, its own first.
+/// Returns the sizes of the levels of a `size` picture, its own first.
 fn sizes(size: [u32; 2]) -> Vec<[u32; 2]> {
     let coarser = |size: &[u32; 2]| (*size != [1, 1]).then(|| size.map(|side| side.div_ceil(2)));
     std::iter::successors(Some(size), coarser).collect()
@@ -110,7 +110,7 @@ impl Level {
         Level { folder, stride, rows_left: height, tile_row: 0, band }
     }
 
-    /// Number of bytes in the row of tiles that is being filled.
+    /// Returns the size in bytes of the row of tiles that is being filled, once it is full.
     fn room(&self) -> usize {
         self.stride * self.rows_left.min(TILE_SIDE) as usize
     }
@@ -119,7 +119,7 @@ impl Level {
         self.band.len() == self.room()
     }
 
-    /// Takes as many bytes as fit, and returns the others.
+    /// Takes as many bytes as fit, and returns the rest.
     fn take<'a>(&mut self, rows: &'a [u8]) -> io::Result<&'a [u8]> {
         if self.rows_left == 0 {
             return Err(io::Error::other("more rows have come than the picture has"));
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use std::io::BufReader;
 
-    /// A picture in which no two pixels are alike, and no two tiles.
+    /// Returns a picture in which no two pixels and no two tiles are equal.
     fn picture([width, height]: [u32; 2]) -> Vec<u8> {
         let pixel = |x: u32, y: u32| [x % 251, y % 241, x / 251 + 16 * (y / 241)];
         let rows = (0..height).flat_map(|y| (0..width).flat_map(move |x| pixel(x, y)));
@@ -180,7 +180,7 @@ mod tests {
         (size, rgb)
     }
 
-    /// A level assembled from its tiles.
+    /// Returns a level assembled from its tiles.
     fn level(folder: &Path, level: usize, [width, height]: [u32; 2]) -> Vec<u8> {
         let [width, height] = [width, height].map(|side| side as usize);
         let mut whole = vec![0; width * height * RGB];

@@ -1,4 +1,4 @@
-//! The files in a pyramid's folder beside its tiles.
+//! The files that accompany the tiles in a pyramid's folder.
 
 use std::io;
 
@@ -9,7 +9,7 @@ use flipmap_assets::PYRAMID_PAGE;
 use flipmap_numbers::Scalar;
 use flipmap_scene::Document;
 
-/// The text of `map.dzi`: the sizes of the picture and of its tiles.
+/// Returns the text of `map.dzi`: the sizes of the picture and of its tiles.
 pub(super) fn image([width, height]: [u32; 2]) -> String {
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
@@ -18,7 +18,7 @@ pub(super) fn image([width, height]: [u32; 2]) -> String {
     )
 }
 
-/// The text of `index.html`: the viewer of a `size` picture of `document`.
+/// Returns the text of `index.html`: the viewer of a `size` picture of `document`.
 pub(super) fn page([width, height]: [u32; 2], document: &Document) -> io::Result<String> {
     let view = &document.scene().view;
     let center = view.center_rad().map(|theta| scientific(theta.to_f64()));
@@ -40,7 +40,7 @@ pub(super) fn page([width, height]: [u32; 2], document: &Document) -> io::Result
         .map_err(io::Error::other)
 }
 
-/// A number, however small, in a form that scripts can read too.
+/// Formats a number, however small, so that scripts can read it.
 fn scientific(number: f64) -> String {
     format!("{number:e}")
 }

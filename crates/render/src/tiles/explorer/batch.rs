@@ -1,4 +1,4 @@
-//! The samples of a job's cells, added to those of earlier passes.
+//! Adds the samples of a job's cells to those of earlier passes.
 
 use super::{Cell, Explorer, FinishedBatch, SampleSet, Stride};
 use crate::tiles::cache::{CachedCell, CellSamples};
@@ -6,7 +6,7 @@ use crate::tiles::samples::Samples;
 use flipmap_pendulum::Status;
 use flipmap_scene::lattice::SIDE;
 
-/// Cells of one job in flight, with the key of their physics, their budget and their samples.
+/// Cells of one job in flight, with their sample set, budget and stride.
 #[derive(Debug)]
 pub(in crate::tiles) struct Batch {
     pub set: SampleSet,
@@ -30,7 +30,7 @@ impl Batch {
 }
 
 impl BatchCell {
-    /// A cell of which this is known, for a pass at a stride.
+    /// Creates a cell for a pass at a stride, given what is known of the cell.
     pub(super) fn new(cell: Cell, known: Option<&CachedCell>, stride: Stride) -> Self {
         let earlier = known.filter(|known| known.stride > stride);
         BatchCell { cell, before: earlier.map(|known| known.serial) }
@@ -38,8 +38,9 @@ impl BatchCell {
 }
 
 impl Explorer {
-    /// Stores a batch's samples in the cache, cell by cell, and counts those of complete cells. Returns false if those of an
-    /// earlier pass are no longer known, so that the cell has to be computed again.
+    /// Stores a batch's samples in the cache, cell by cell, and counts those of complete cells.
+    /// Returns false if the samples of an earlier pass are no longer known, so that a cell has to
+    /// be computed again.
     pub(super) fn keep(&mut self, finished: FinishedBatch<Batch>) -> bool {
         let FinishedBatch { tile: batch, samples, unfinished, .. } = finished;
         if batch.stride == Stride::ONE {
@@ -72,8 +73,8 @@ impl Explorer {
     }
 }
 
-/// Adds the samples of an earlier pass, and their states unless these were dropped: either all unflipped
-/// samples of a cell can be continued, or none.
+/// Adds the samples and the states of an earlier pass. If its states were dropped, drops the cell's
+/// own too: either all unflipped samples of a cell can be continued, or none.
 fn add_earlier(cell: &mut CellSamples, earlier: &CachedCell) {
     let CellSamples { samples, stride, unfinished, .. } = cell;
     let known: &Samples = &earlier.samples;

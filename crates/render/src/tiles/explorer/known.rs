@@ -1,4 +1,4 @@
-//! All that is known of the cells of a window, and how much of what is wanted.
+//! Looks up the known cells of a window, and how far its target is computed.
 
 use std::sync::Arc;
 
@@ -10,8 +10,8 @@ use crate::tiles::view_target::Physics;
 use flipmap_scene::lattice::Cell;
 
 impl Explorer {
-    /// Returns the physics of the cells that are drawn: the previous one's as long as they stand in
-    /// for the target's.
+    /// Returns the physics of the cells that are drawn: the previous physics while its cells stand
+    /// in for the target's.
     pub fn drawn(&self) -> Option<&Physics> {
         let key = self.before.filter(|_| !self.progress().covered).unwrap_or(self.key);
         self.physics.get(key).map(|known| &known.physics)
@@ -24,14 +24,15 @@ impl Explorer {
         self.look(self.key, cell)
     }
 
-    /// Returns the same for the previous physics, which is still drawn in places where nothing of
-    /// the target's physics is known.
+    /// Works like [`Explorer::known`] for the previous physics, which is still drawn in places
+    /// where nothing of the target's physics is known.
     pub fn known_before(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
         self.look(self.before?, cell)
     }
 
-    /// Returns the same for the target's physics and a cell of which perhaps only the samples at edges
-    /// were computed, if they have had the target's budget: beside others, fewer would have flipped.
+    /// Works like [`Explorer::known`], but also finds cells of which only the samples at edges were
+    /// computed. Their samples must have had the target's budget: with less, fewer would have
+    /// flipped than in the cells beside them.
     pub fn known_finer(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
         let set = self.finer_set(cell)?;
         let (computed, mirrored) = cell.computed(self.mirrors(self.key));
@@ -44,12 +45,12 @@ impl Explorer {
         self.cache.get(set, computed).map(|known| (known, mirrored))
     }
 
-    /// A set of samples of the target's physics.
+    /// Returns a set of samples of the target's physics.
     pub(super) fn set(&self, refined: bool) -> SampleSet {
         SampleSet { physics: self.key, refined }
     }
 
-    /// Returns where the cache keeps a cell of the target that is wanted.
+    /// Returns the key under which the cache keeps a wanted cell of the target.
     pub(super) fn cache_key(&self, wanted: &Wanted) -> (SampleSet, Cell) {
         (self.set(wanted.pass == CellPass::Finer), wanted.cell)
     }
@@ -59,7 +60,7 @@ impl Explorer {
         self.cache.peek(self.set(false), cell.computed(self.mirrors(self.key)).0)
     }
 
-    /// Returns the same as [`Explorer::known_finer`].
+    /// Works like [`Explorer::known_finer`], without counting the cell as used.
     pub(super) fn peek_finer(&self, cell: Cell) -> Option<&CachedCell> {
         let (computed, _) = cell.computed(self.mirrors(self.key));
         self.cache.peek(self.finer_set(cell)?, computed)
@@ -75,7 +76,8 @@ impl Explorer {
         [false, true].map(|refined| self.set(refined)).into_iter().find(is_known)
     }
 
-    /// Returns the samples from which those far from edges follow, for each of these cells.
+    /// Returns, for each of these cells, the samples from which those far from edges are
+    /// interpolated.
     pub(super) fn coarser(&self, cells: &[Cell]) -> Vec<Option<Coarser>> {
         let of = |cell: &Cell| {
             let parent = cell.parent()?;

@@ -2,14 +2,15 @@
 //!
 //! Each change is a new physics. If each replaced the last at once, no map would ever be complete
 //! and none would be seen before the slider rests. So a pendulum whose first coarse map is being
-//! computed keeps its place until that map is known everywhere; then the newest one follows, and
-//! those between are left out.
+//! computed keeps its place until that map is known everywhere; then the newest pendulum follows,
+//! and those in between are skipped.
 
 use std::time::Duration;
 
 use super::{Explorer, Physics, ViewTarget};
 
-/// Longest time for which a pendulum keeps its place: a map that takes longer is not worth it.
+/// Longest time for which a pendulum keeps its place: a map that takes longer is not worth the
+/// wait.
 const MAX_HOLD: Duration = Duration::from_millis(700);
 
 impl Explorer {
@@ -28,15 +29,14 @@ impl Explorer {
             && self.key_since.is_some_and(|since| since.elapsed() < MAX_HOLD)
     }
 
-    /// Replaces the target by the one that waits, as soon as it may.
+    /// Replaces the target by the waiting one, unless that one has to wait longer.
     pub(super) fn follow(&mut self) {
         if let Some(next) = self.next.take() {
             self.target(&next);
         }
     }
 
-    /// Returns true if a newer target waits, so that all that is known answers for an earlier
-    /// pendulum.
+    /// Returns true if a newer target waits, so all known cells show an earlier pendulum.
     pub fn is_behind(&self) -> bool {
         self.next.is_some()
     }

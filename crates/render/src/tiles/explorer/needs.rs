@@ -1,15 +1,15 @@
-//! The reasons for which a cell is computed.
+//! Decides if a cell has to be computed.
 
 use super::{Cell, Explorer, Stride, Wanted};
 use crate::tiles::order::CellPass;
 use crate::tiles::refinement::quarter_of;
 
-/// Number of levels up to the coarsest cell that is as fine as the first pass.
+/// Number of levels up to the coarsest ancestor of a cell that is as fine as the cell's first pass.
 const MAX_LEVELS: u32 = 3;
 
 impl Explorer {
-    /// Returns true if a cell has to be computed: to make it complete, to show it sooner than that, to
-    /// show it when the view moves, or because its parent has edges there.
+    /// Returns true if a cell has to be computed: to complete it, to show it before it is complete,
+    /// to show it when the view moves, or because its parent has edges there.
     pub(super) fn needs(&self, Wanted { cell, pass }: Wanted, budget_secs: f64) -> bool {
         let known = self.peek(cell);
         let stride = known.map(|known| known.stride);
@@ -30,8 +30,8 @@ impl Explorer {
         }
     }
 
-    /// Returns how far apart samples of other levels lie, in places of a cell, that stand in for it; none
-    /// if there are none.
+    /// Returns the distance, in places of a cell, between samples of other levels that stand in for
+    /// it; `None` if there are none.
     fn stand_in_places(&self, cell: Cell) -> Option<u32> {
         let places = |cell: Cell| Some(self.peek(cell)?.stride.places());
         let quarters: Option<Vec<u32>> = cell.children().into_iter().map(places).collect();
