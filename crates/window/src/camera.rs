@@ -58,8 +58,8 @@ impl Camera {
         Camera::from_view(&view.fitted(canvas.to_array()), reach)
     }
 
-    /// Returns a camera at the default centre: as wide as the torus, or a quarter of a plane that
-    /// does not repeat.
+    /// Returns the camera around a plane's origin that shows the whole torus, or a quarter of the
+    /// width of a plane that does not repeat.
     pub fn whole(reach: Reach) -> Self {
         let home = Camera::from_view(&View::default(), reach);
         let share = if reach.repeats { 1.0 } else { HOME_SHARE };

@@ -129,8 +129,8 @@ fn zero_between([mut a, mut b]: [Corner; 2], depth: &impl Fn(DVec2) -> f64) -> D
     zero(a, b)
 }
 
-/// Draws the energy curve in a colour, with a rim of the opposite lightness, so that it is visible on
-/// every colour.
+/// Draws the energy curve in a colour, with a rim of the opposite lightness, so that it is visible
+/// on every colour.
 pub(crate) fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]], colour: Rgb) {
     let [r, g, b] = colour;
     let is_dark = colour.iter().all(|channel| *channel < 0x80);

@@ -28,7 +28,8 @@ impl Settings {
         }
     }
 
-    /// Returns a picture in the colours kept under a digit, or a sentence that says why there are none.
+    /// Returns a picture in the colours kept under a digit, or a sentence that says why there are
+    /// none.
     pub(crate) fn kept_colours(
         &self,
         digit: u8,

@@ -209,8 +209,8 @@ fn coarser(explorer: &mut Explorer, cell: Cell, set: PatchSet) -> Option<KnownSo
     (1..).zip(ancestors).filter_map(source).min_by_key(|source| source.spacing)
 }
 
-/// Appends the patches of a cell's descendants whose known samples lie closer together than `spacing`
-/// places of the cell, searched down `levels` levels.
+/// Appends the patches of a cell's descendants whose known samples lie closer together than
+/// `spacing` places of the cell, searched down `levels` levels.
 fn finer(
     screen: &Screen,
     explorer: &mut Explorer,

@@ -117,7 +117,8 @@ impl MapRenderer {
         MapFrame { screen, mixes, cells, uploads, words, uniforms, table, size_px, is_loaded }
     }
 
-    /// Returns the patches of every cell; those of finer samples only if the atlas has room for them.
+    /// Returns the patches of every cell; those of finer samples only if the atlas has room for
+    /// them.
     fn covered(&mut self, screen: &Screen, explorer: &mut Explorer) -> Vec<CoveredCell> {
         let covered = cover(screen, explorer, &mut self.fading, self.finer_levels);
         let count: usize = covered.iter().map(|cell| cell.patches.len()).sum();
@@ -127,8 +128,8 @@ impl MapRenderer {
         cover(screen, explorer, &mut self.fading, 0)
     }
 
-    /// Returns the quad of a patch, whose samples are added to the uploads if they are not on the card;
-    /// none if the frame uses all slots.
+    /// Returns the quad of a patch, whose samples are added to the uploads if they are not on the
+    /// card; none if the frame uses all slots.
     fn quad(
         &mut self,
         screen: &Screen,

@@ -1,5 +1,5 @@
-//! The graphics card's part of the map: an atlas of samples, a colour table, and quads drawn into the
-//! kept picture.
+//! The graphics card's part of the map: an atlas of samples, a colour table, and quads drawn into
+//! the kept picture.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -150,7 +150,8 @@ struct Brush {
     bindings: wgpu::BindGroup,
 }
 
-/// Largest number of places along a pixel whose light is mixed: as many as samples of the finest level.
+/// Largest number of places along a pixel whose light is mixed: as many as samples of the finest
+/// level.
 const MAX_TAPS: u32 = 7;
 
 impl Canvas {
