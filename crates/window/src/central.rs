@@ -33,7 +33,7 @@ impl AppModel {
         let size = ui.available_size_before_wrap();
         let canvas = glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
         self.state.resize(canvas, f64::from(ui.ctx().pixels_per_point()));
-        // This frame may be drawn before the next turn of the computing.
+        // This frame may be drawn before the next turn of the compute service.
         let (state, descent) = (&self.state, &self.films.descent);
         self.compute.aim(|config| descent.passing(state.view_target(config)));
         let screen = self.state.screen();

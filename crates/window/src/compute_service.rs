@@ -12,7 +12,7 @@ use flipmap_render::tiles::Renderer;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_render::tiles::view_target::ViewTarget;
 
-/// Wakes the window from any thread.
+/// A function that wakes the window from any thread.
 pub(crate) type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// Returns a waker and the receiver of what it sends at each call.
@@ -303,8 +303,8 @@ impl ComputeService {
     }
 }
 
-/// Returns true if a request leaves the choice to the fastest engine. Its accuracy must be a level,
-/// which the processor can keep until the engines have been measured.
+/// Returns true if a request asks for the fastest engine at an accuracy level. The processor can
+/// keep the level's promise until the engines have been measured.
 fn waits_for_comparison(request: &EngineRequest) -> bool {
     let is_open = request.kind.is_none() && request.adapter.is_none();
     is_open && matches!(request.setting, IntegrationSetting::Accuracy(_))

@@ -211,9 +211,9 @@ impl From<flipmap_engine::EngineError> for Failure {
     }
 }
 
-/// Called with each stage of an export.
+/// A function to call with each stage of an export.
 type Reporter<'a> = dyn Fn(ExportStage) + Sync + 'a;
-/// Returns true once an export should stop.
+/// A function that returns true once an export should stop.
 type Stopped<'a> = dyn Fn() -> bool + Sync + 'a;
 
 /// Time between two reports of progress.

@@ -28,8 +28,9 @@ pub struct FilmOrder<'a> {
     pub engine: &'a EngineRequest,
 }
 
-/// Returns the command that makes a film and reports its progress as lines of JSON on standard
-/// error. The command-line program provides the function, because only that knows the options.
+/// A function that returns the command for making a film, which reports its progress as lines of
+/// JSON on standard error. The command-line program provides it, because it alone knows its
+/// options.
 pub(crate) type FilmCommand = fn(&FilmOrder) -> std::io::Result<Command>;
 
 /// A film that the window makes in the background.

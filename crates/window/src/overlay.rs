@@ -162,8 +162,8 @@ pub(crate) fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen, axes: [A
     let region = screen.region();
     let stroke = Stroke::new(1.0, Color32::from_black_alpha(110));
     let rim = Stroke::new(3.0, Color32::from_white_alpha(50));
-    // On the torus, lattice radians are those of the angles. On other planes, the lines of angles
-    // are at round numbers, too.
+    // On the torus, lattice radians are those of the angles. On other planes, even the lines of
+    // angles are at round numbers.
     let lines = if screen.camera.reach.repeats {
         grid_lines(screen)
     } else {

@@ -19,7 +19,7 @@ pub struct Appearance {
     pub theme: Theme,
     /// Scale of the interface.
     pub ui_scale: f32,
-    /// Samples of pixels at edges while the view rests.
+    /// Number of samples per pixel at edges while the view rests.
     pub edges: EdgeSamples,
 }
 
@@ -70,7 +70,7 @@ pub struct Settings {
     pub ui_scale: f32,
     /// True if the view moves smoothly.
     pub animate: bool,
-    /// Samples of pixels at edges while the view rests.
+    /// Number of samples per pixel at edges while the view rests.
     pub edges: EdgeSamples,
     /// True if the window opens where it was left.
     pub restore: bool,

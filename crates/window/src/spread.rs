@@ -7,7 +7,7 @@ use flipmap_render::tiles::Stride;
 use flipmap_scene::PictureTable;
 use flipmap_scene::palette::equalised;
 
-/// Number of levels above the finest whose times are good enough for a deep view's colours.
+/// Number of levels coarser than the finest whose times are good enough for a deep view's colours.
 const COARSER: u32 = 3;
 
 impl AppModel {

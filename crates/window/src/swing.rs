@@ -34,7 +34,7 @@ struct Swinging {
 
 impl HoverSwing {
     /// Follows the pointer, which is at a place of a scene's lattice or off the map, at a moment of
-    /// the window's clock. Returns the angles of a pendulum that is to be drawn, in rad.
+    /// the window's clock. Returns the angles of the pendulum to draw, in rad.
     pub(crate) fn follow(
         &mut self,
         scene: &Scene,

@@ -166,7 +166,7 @@ impl Runner {
             model.state.notices.fail(format!("The graphics driver refused something: {complaint}"));
         }
         model.save_sometimes();
-        // The frame has changed the view, so the work comes after it.
+        // The frame may have changed the view, so the work comes after it.
         let has_news = model.work();
         let news = if has_news { self.pace.pause(&model.progress(), began) } else { Duration::MAX };
         let moving = moving || model.state.moving.is_some();

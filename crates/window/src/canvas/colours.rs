@@ -21,7 +21,8 @@ pub struct CardColours {
 /// Largest share of the palette between two entries of the table: an eighth of the step between two
 /// of its 256 colours, which differ by at most a few parts in 255.
 const MAX_ENTRY_GAP: f64 = 1.0 / 2048.0;
-/// Least number of octaves of a table: the card's logarithms have 2¹⁷ steps per octave.
+/// Least number of octaves of a table, whose entries are then 2⁻¹⁷ octaves apart, close to the
+/// resolution of logarithms in f32 on the card.
 const MIN_OCTAVES: f64 = TABLE_ENTRIES as f64 / (1 << 17) as f64;
 
 /// The colours of a table, and the mapping from words to its entries.

@@ -13,7 +13,7 @@ use flipmap_scene::lattice::{Cell, Placed, SIDE, side_rad};
 /// A part of a tile's samples, drawn as a parallelogram on the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Patch {
-    /// The cell that is drawn with its own samples, or with those of its mirror image.
+    /// Cell whose samples, or those of its mirror image, are drawn.
     pub source: Cell,
     /// Set that the samples belong to.
     pub set: PatchSet,

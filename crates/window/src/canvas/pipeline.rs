@@ -150,8 +150,8 @@ struct Brush {
     bindings: wgpu::BindGroup,
 }
 
-/// Largest number of places along a pixel whose light is mixed: as many as samples of the finest
-/// level.
+/// Largest number of places along a pixel whose light is mixed, enough for the samples of the
+/// finest level.
 const MAX_TAPS: u32 = 7;
 
 impl Canvas {

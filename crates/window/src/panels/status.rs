@@ -12,7 +12,7 @@ pub struct StatusLine {
     pub progress: ViewProgress,
     /// Seconds until the view is complete, if they can be estimated.
     pub left_secs: Option<f64>,
-    /// Width of the view, in the unit that follows.
+    /// Width of the view in `unit`.
     pub width: f64,
     /// Unit of the horizontal axis.
     pub unit: &'static str,
