@@ -32,9 +32,9 @@ pub enum Look {
     },
     /// Zooms so that the rectangle between two corners fills the canvas.
     Box([DVec2; 2]),
-    /// Turns the map about the middle of the canvas, from one point to another.
+    /// Turns the map about the middle of the canvas, as a drag from one point to another does.
     Turn([DVec2; 2]),
-    /// Stretches the map: by this factor fewer radians than before from top to bottom.
+    /// Stretches the map vertically: divides the radians from top to bottom by this factor.
     Stretch(f64),
     /// Moves by a share of the canvas.
     Step(DVec2),
@@ -62,7 +62,7 @@ pub enum LabAction {
     PlayPause,
     /// Takes the next slower (−1) or faster (1) speed.
     ShiftSpeed(isize),
-    /// Shows the lab to an audience, large and with few controls, or as usual again.
+    /// Switches the lab between its usual look and a large one with few controls for an audience.
     Projector,
     /// Tells the story of the figures from its beginning, or ends it.
     Story,
@@ -107,7 +107,7 @@ pub enum Action {
     Favourite(u8),
     /// Keeps the colours of the map under a digit.
     KeepFavourite(u8),
-    /// Opens, changes or closes the clock by which the map is shown.
+    /// Opens, changes or closes the clock that makes the map show flips as time passes.
     Timeline(Option<Playback>),
     /// Changes the accuracy level.
     Accuracy(Accuracy),
@@ -143,7 +143,7 @@ pub enum Action {
     Theme(Theme),
     /// Turns smooth moves on or off.
     Animate(bool),
-    /// Chooses the samples of pixels at edges while the view rests.
+    /// Sets the number of samples per pixel at edges while the view rests.
     Edges(EdgeSamples),
     /// Switches between full screen and a window.
     FullScreen,

@@ -1,5 +1,5 @@
-//! The limits within which a window can answer another question or show another plane: an engine
-//! that computes it, and pixels that numbers can tell apart.
+//! Limits on the questions and planes of a window: an engine must be able to compute them, and
+//! neighbouring pixels must be different numbers.
 
 use super::camera::Camera;
 use super::integration::Integration;
@@ -9,9 +9,9 @@ use flipmap_engine::{Cells, EngineKind, IntegratorConfig, Precision};
 use flipmap_scene::lattice::pitch_rad;
 
 impl AppModel {
-    /// The request for an engine that answers the question as the panels say: by the processor for growth
-    /// and returns where the card has no f64, because their kernels in pairs of f32 take minutes to
-    /// compile.
+    /// Returns the request for an engine that answers the question with the settings of the panels.
+    /// Without f64 on the card, growth and returns go to the processor, because their kernels in
+    /// pairs of f32 take minutes to compile.
     pub(super) fn engine_request(&self) -> EngineRequest {
         let Integration { kind, spec, .. } = &self.state.integration;
         let (setting, verify) = (spec.setting, spec.verify);
@@ -25,8 +25,8 @@ impl AppModel {
         request
     }
 
-    /// Changes a view in which neighbouring pixels are one number, and says so. Returns true if it
-    /// did.
+    /// Widens a view whose neighbouring pixels would be the same number, and tells the user.
+    /// Returns true if it did.
     pub(super) fn make_answerable(&mut self) -> bool {
         self.compute.config().is_some_and(|config| self.make_view_fit(config))
     }

@@ -30,7 +30,7 @@ impl AppModel {
         let silent: Vec<_> =
             silent.filter_map(|pin| pin.start.place.map(|place| (pin.id, place))).collect();
         for (id, place) in silent {
-            // Another level has other samples, with other outcomes.
+            // A place that is not a sample of this level has no outcome here.
             if hover::sample_at(place, level)[0] == place
                 && let Some(told) = self.told_at(place)
             {

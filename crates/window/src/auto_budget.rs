@@ -1,4 +1,5 @@
-//! Automatic budgets of the window's views, settled in the background: a deep one takes seconds.
+//! Automatic budgets of the window's views, settled in the background because a deep view's takes
+//! seconds.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -8,7 +9,8 @@ use super::compute_service::Wake;
 use super::model::AppModel;
 use flipmap_scene::{Budget, PendulumSpec, QuestionSettings, Scene};
 
-/// Returns a scene's question; a budget that equals the guess of an automatic one follows the depth.
+/// Returns a scene's question. Its budget is made automatic if it equals the guess for the scene's
+/// view.
 pub(super) fn following(scene: &Scene) -> QuestionSettings {
     let budget = scene.question.budget;
     let guess = Budget { auto: true, ..budget }.guessed(&scene.build, &scene.view);
@@ -25,8 +27,8 @@ pub(super) struct AutoBudget {
 }
 
 impl AutoBudget {
-    /// Asks for the budget of a view, unless it is the one last asked for or another is being
-    /// settled; `scene` is its scene.
+    /// Starts to settle the budget of a view from its `scene`, unless the view was the last one
+    /// asked for or another is being settled.
     fn ask(&mut self, view: (PendulumSpec, Camera), scene: impl FnOnce() -> Scene, wake: &Wake) {
         if self.asked == Some(view) || self.settling.is_some() {
             return;
@@ -53,15 +55,15 @@ impl AutoBudget {
         heard.ok()
     }
 
-    /// Returns the settled budget of a view, which is not that of a scene opened there again.
+    /// Returns the settled budget of a view, if it is the one last asked for.
     fn of(&self, view: (PendulumSpec, Camera)) -> Option<Budget> {
         self.settled.filter(|_| self.asked == Some(view))
     }
 }
 
 impl AppModel {
-    /// Fits an automatic budget to the view, or to that at the end of a move. Returns true if the
-    /// budget has changed.
+    /// Fits an automatic budget to the view, or to the view at the end of a move. Returns true if
+    /// the budget has changed.
     pub(super) fn settle_budget(&mut self) -> bool {
         let state = &self.state;
         let budgets = &mut self.estimates.auto_budget;

@@ -1,5 +1,5 @@
-//! The camera: the view of the window, the correspondence between points of the screen and of the
-//! plane, and moves from one place to another.
+//! The camera: the view of the window, the mapping between points of the screen and of the plane,
+//! and smooth moves.
 
 use glam::{DMat2, DVec2};
 
@@ -8,7 +8,7 @@ use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::lattice::{DEEPEST, Region, pitch_rad};
 use flipmap_scene::{BuiltIn, MIN_WIDTH, View};
 
-/// A view as numbers, in the radians of the lattice; on the torus these are those of the angles.
+/// A view as numbers in lattice radians, which on the torus are the radians of the angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Place of the centre in lattice radians, within [−π, π].
@@ -26,17 +26,17 @@ pub struct Camera {
 /// Smallest and largest width that the window zooms to, in rad.
 const MIN_WIDTH_RAD: f64 = MIN_WIDTH;
 const MAX_WIDTH_RAD: f64 = 4.0 * std::f64::consts::TAU;
-/// Largest factor by which the window stretches a map, either way: beyond it, the samples of a
-/// screen are too many, because they are square.
+/// Largest factor by which the window stretches a map, either way. Samples are square, so a
+/// stronger stretch would need too many of them for a screen.
 const MAX_STRETCH: f64 = 16.0;
 /// Share of a bounded plane's square that its home view shows.
 const HOME_SHARE: f64 = 0.25;
-/// Largest width of a sample in physical pixels before the next level is drawn. That level has four times
-/// as many samples, so no view has more than 1.3 of them along a pixel; edges get finer ones later.
+/// Largest width of a sample in physical pixels before the next level is drawn. Its samples are
+/// half as wide, so no view has more than 1.3 of them along a pixel; edges get finer samples later.
 const MAX_SAMPLE_PX: f64 = 2.0 / 1.3;
 
 impl Camera {
-    /// Returns the numbers of a checked view of a plane.
+    /// Returns the camera for a checked view of a plane.
     pub(crate) fn from_view(view: &View, reach: Reach) -> Self {
         Camera {
             center: reach.place(view.center_rad()),
@@ -48,8 +48,8 @@ impl Camera {
         .within_reach()
     }
 
-    /// Returns the view of a plane that is shown first on a canvas of this size: the whole torus,
-    /// as the home scene shows it, or the middle of a plane that has no end.
+    /// Returns the camera that first shows a plane on a canvas of this size: the whole torus, as in
+    /// the home scene, or the middle of a plane that does not repeat.
     pub(crate) fn home(reach: Reach, canvas: DVec2) -> Self {
         if reach != Reach::TORUS {
             return Camera::whole(reach);
@@ -58,17 +58,18 @@ impl Camera {
         Camera::from_view(&view.fitted(canvas.to_array()), reach)
     }
 
-    /// Returns the view of as much of a plane as makes a picture, around its origin.
+    /// Returns the camera around a plane's origin that shows the whole torus, or a quarter of the
+    /// width of a plane that does not repeat.
     pub fn whole(reach: Reach) -> Self {
         let home = Camera::from_view(&View::default(), reach);
         let share = if reach.repeats { 1.0 } else { HOME_SHARE };
         Camera { width_rad: share * std::f64::consts::TAU, ..home }
     }
 
-    /// Returns the view as people write it, with as many digits as its width can show.
+    /// Returns the view in decimal notation, with as many digits as its width calls for.
     pub fn view(&self) -> View {
-        // Six digits below the width are far below a pixel of any screen; so many that they are read
-        // as π keep the symmetry around π.
+        // Six digits below the width are far finer than a pixel of any screen. π gets 16, so that
+        // it is read back as π and the view stays symmetric around it.
         let decimals = |coordinate: Exact| {
             let is_pi = self.reach.repeats && coordinate.abs() == Exact::pi();
             let below = if is_pi { 16.0 } else { 6.0 };
@@ -83,7 +84,7 @@ impl Camera {
         }
     }
 
-    /// Length of the horizontal axis in the units of the plane's axes.
+    /// Returns the length of the horizontal axis in the units of the plane's axes.
     pub fn width(&self) -> f64 {
         self.width_rad * self.reach.units()
     }
@@ -101,9 +102,9 @@ impl Camera {
         zoomed.moved(about_rad * (1.0 - zoomed.width_rad / self.width_rad))
     }
 
-    /// Returns the camera stretched by a factor, as far as the window stretches.
+    /// Returns the camera stretched by a factor, within the limits of the window.
     pub(crate) fn stretched(&self, factor: f64) -> Self {
-        // A view that was opened may be stretched more.
+        // A view from a file may be stretched beyond them.
         let (least, most) = (self.stretch.min(1.0 / MAX_STRETCH), self.stretch.max(MAX_STRETCH));
         Camera { stretch: (self.stretch * factor).clamp(least, most), ..*self }
     }
@@ -153,14 +154,14 @@ impl Screen {
         let shown = DVec2::new(1.0, -1.0 / self.camera.stretch);
         let by = (shown * to).angle_to(shown * from).to_degrees();
         if by.is_nan() {
-            // A point is the middle itself.
+            // One of the points is the middle itself.
             return self.camera;
         }
         let turned = self.camera.rotate_deg + by;
         Camera { rotate_deg: turned - 360.0 * (turned / 360.0).round(), ..self.camera }
     }
 
-    /// Returns the matrix that turns points into radians.
+    /// Returns the matrix that converts points into radians.
     fn plane_from_screen(&self) -> DMat2 {
         let point_rad = self.camera.width_rad / self.size.x;
         let turn = DMat2::from_angle(self.camera.rotate_deg.to_radians());
@@ -193,16 +194,16 @@ pub struct Move {
     pub to: Camera,
     /// Beginning of the move on the window's clock, in s.
     pub began_secs: f64,
-    /// MovePace of the move.
+    /// Pace of the move.
     pub pace: MovePace,
 }
 
 /// The pace of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MovePace {
-    /// Fast at first and slower towards the end, as what the user does.
+    /// Fast at first and slower towards the end, for moves that the user makes.
     Quick,
-    /// Slow and even, as the steps of a descent, which follow one another.
+    /// Slow and even, for the successive steps of a descent.
     Glide,
 }
 
@@ -215,7 +216,7 @@ impl MovePace {
         }
     }
 
-    /// Returns the share of a move's way at a share of its duration.
+    /// Returns the share of a move that is done after the share `t` of its duration.
     fn eased(self, t: f64) -> f64 {
         match self {
             MovePace::Quick => 1.0 - (1.0 - t).powi(3),

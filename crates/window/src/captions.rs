@@ -1,4 +1,4 @@
-//! The words beside the pointer: where a sample starts, and what becomes of its pendulum.
+//! The caption at the pointer: where a sample starts, and what becomes of its pendulum.
 
 use super::hover::Answer;
 use super::map::Hovered;
@@ -18,12 +18,12 @@ pub(crate) fn words_of(hovered: &Hovered, scene: &Scene, level: u32) -> String {
     let digits = (1.0 - pitch.log10()).ceil().max(2.0) as usize;
     let place = place_words(scene, reach.coordinates(hovered.place), digits);
     let fate = hovered.answer.map_or("being computed".to_string(), |answer| told(scene, &answer));
-    // Many numbers have a line of their own.
+    // More than two numbers get a line of their own.
     let between = if scene.question.ask.kind().channels.len() > 2 { "\n" } else { " · " };
     format!("{place}{between}{fate}")
 }
 
-/// The coordinates of a point of a scene's plane with their units.
+/// Formats the coordinates of a point of a scene's plane with their units.
 pub(crate) fn place_words(scene: &Scene, coordinates: [Exact; 2], digits: usize) -> String {
     let axes = scene.plane.axes();
     let [x, y] = [0, 1].map(|i| {
@@ -35,7 +35,7 @@ pub(crate) fn place_words(scene: &Scene, coordinates: [Exact; 2], digits: usize)
     if across == up { format!("{x}, {y} {up}") } else { format!("{x} {across}, {y} {up}") }
 }
 
-/// Formats a coordinate with a number of decimals; f64 is quicker if it has enough digits.
+/// Formats a coordinate with `digits` decimals, in f64 if that has enough, because it is quicker.
 fn plain(value: Exact, digits: usize) -> String {
     if digits < 15 { format!("{:.digits$}", value.to_f64()) } else { value.decimal(digits) }
 }
@@ -71,7 +71,7 @@ fn told(scene: &Scene, answer: &Answer) -> String {
     }
 }
 
-/// A channel's name, value and unit; whole numbers have no decimals.
+/// Formats a channel's name, value and unit; whole numbers have no decimals.
 fn value_words(Channel { name, unit, right, scale }: &Channel, value: f64) -> String {
     let is_whole = *right == 0.0 && !matches!(scale, ChannelScale::Times);
     let value = if is_whole { format!("{value}") } else { format!("{value:.4}") };

@@ -28,12 +28,12 @@ fn curve_of(
 }
 
 impl AppModel {
-    /// Shows the map in what is left of the window, with the bar of tools and what is drawn over it.
+    /// Shows the map in the rest of the window, with its overlays and the toolbar.
     pub(super) fn canvas(&mut self, ui: &mut Ui, commands: &[Command]) -> Vec<Action> {
         let size = ui.available_size_before_wrap();
         let canvas = glam::DVec2::new(f64::from(size.x), f64::from(size.y)).max(glam::DVec2::ONE);
         self.state.resize(canvas, f64::from(ui.ctx().pixels_per_point()));
-        // What follows may be drawn before the work's next turn.
+        // This frame may be drawn before the next turn of the compute service.
         let (state, descent) = (&self.state, &self.films.descent);
         self.compute.aim(|config| descent.passing(state.view_target(config)));
         let screen = self.state.screen();
@@ -49,7 +49,7 @@ impl AppModel {
         };
         let fades = self.animates();
         self.map_renderer.fading.begin(fades.then_some(now_secs));
-        // Many samples to a pixel take the processor too long to draw while the map moves.
+        // A processor takes too long to draw many samples per pixel while the map moves.
         let has_time = self.map_renderer.is_quick || self.state.rests();
         self.map_renderer.finer_levels =
             if has_time { self.state.look.edges.refinements() } else { 0 };
@@ -83,8 +83,8 @@ impl AppModel {
         actions
     }
 
-    /// Returns the pendulum and the rule of the tiles that are drawn, whose energy curve belongs on
-    /// the map; none if they have none, or if it is not to be drawn.
+    /// Returns the pendulum and the rule of the tiles that are drawn, for their energy curve; none
+    /// if they have no curve or it is hidden.
     fn drawn_curve(&self) -> Option<(PendulumSpec, Rule)> {
         let AppState { build, question, ref plane, layers, .. } = self.state;
         let drawn = self.compute.explorer.drawn();
@@ -92,12 +92,13 @@ impl AppModel {
         if layers.curve { curve_of(drawn) } else { None }
     }
 
-    /// Returns true if tiles fade in and colours glide: where the processor draws, it has better to do.
+    /// Returns true if tiles fade in and colours glide, which would be too slow where the processor
+    /// draws.
     fn animates(&self) -> bool {
         self.map_renderer.is_quick && self.state.look.animate
     }
 
-    /// Returns the colours of the map, which may be on their way to others.
+    /// Returns the colours of the map, which may be changing to others.
     fn colours(&mut self, scene: &Scene, now_secs: f64) -> Result<CardColours, SceneError> {
         let glides = self.animates();
         let AppState { picture, layers, .. } = &self.state;
@@ -110,7 +111,7 @@ impl AppModel {
         gliding_colours(picture, shown, scene, until_secs, layers.trust)
     }
 
-    /// Draws the pendulum at the pointer, once nothing else moves.
+    /// Draws the pendulum at the pointer once the view rests and is complete.
     fn swing_at_pointer(
         &mut self,
         ui: &Ui,

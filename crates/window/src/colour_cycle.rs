@@ -1,9 +1,9 @@
-//! The palette running over the map, round and round.
+//! The animation that cycles the palette over the map.
 
 use flipmap_scene::PictureTable;
 use flipmap_scene::palette::Palette;
 
-/// Times a second that the palette can come round.
+/// Range of speeds of the palette, in cycles per second.
 pub(crate) const CYCLE_SPEEDS: std::ops::RangeInclusive<f64> = 0.02..=1.0;
 
 /// The animation of the palette's offset.
@@ -11,7 +11,7 @@ pub(crate) const CYCLE_SPEEDS: std::ops::RangeInclusive<f64> = 0.02..=1.0;
 pub struct ColourCycle {
     /// True while the palette runs.
     pub runs: bool,
-    /// Times a second that it comes round.
+    /// Speed in cycles per second.
     pub speed: f64,
 }
 
@@ -22,7 +22,8 @@ impl Default for ColourCycle {
 }
 
 impl ColourCycle {
-    /// Moves the palette of a picture on; a palette that has ends is mirrored, so that none is seen.
+    /// Advances the palette of a picture. A palette that is not cyclic is mirrored, to hide its
+    /// ends.
     pub(crate) fn advance(&self, picture: &mut PictureTable, elapsed_secs: f64) {
         if self.runs {
             picture.mirror |= !Palette::is_cyclic(&picture.palette);

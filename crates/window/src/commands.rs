@@ -166,7 +166,8 @@ fn teaching() -> Vec<Command> {
     figures.chain(others).collect()
 }
 
-/// Returns the commands for colours kept under digits; one line of the list of keys stands for all.
+/// Returns the commands for colours kept under digits; the list of keys has one line for all of
+/// them.
 pub(crate) fn favourites() -> Vec<Command> {
     const KEYS: [Key; 9] = [
         Key::Num1,
@@ -193,8 +194,8 @@ pub(crate) fn favourites() -> Vec<Command> {
     DIGITS.zip(KEYS).flat_map(of_digit).collect()
 }
 
-/// Returns what can be chosen by name but has no key: panels, places and palettes. For the command
-/// palette alone, since it reads the scenes.
+/// Returns the commands that only the command palette lists: panels, places, palettes and
+/// favourites. Other callers avoid the cost of reading the scenes.
 pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
     let panels = PANELS.map(|name| command(format!("Panel: {name}"), [], Action::Panel(name)));
     let places = BUILT_IN.iter().map(|place| {

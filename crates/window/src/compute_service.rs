@@ -12,10 +12,10 @@ use flipmap_render::tiles::Renderer;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_render::tiles::view_target::ViewTarget;
 
-/// Wakes the window from any thread.
+/// A function that wakes the window from any thread.
 pub(crate) type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// Returns a waker and what it sends at each call.
+/// Returns a waker and the receiver of what it sends at each call.
 #[cfg(test)]
 pub(super) fn woken() -> (Wake, std::sync::mpsc::Receiver<()>) {
     let (sender, woken) = std::sync::mpsc::channel();
@@ -42,12 +42,13 @@ enum ServiceState {
     Failed,
 }
 
-/// The comparison of the engines of a machine that has not been measured yet. The processor computes
-/// the first view meanwhile.
+/// The comparison of the engines of a machine that has not been measured yet. The processor
+/// computes the first view before it.
 enum Comparison {
-    /// None is needed.
+    /// No comparison is needed.
     None,
-    /// Comparison that begins once the first view is complete: engines at work would measure each other.
+    /// A comparison that begins once the first view is complete, because other work would distort
+    /// it.
     Due,
     Running(PendingEngine),
 }
@@ -112,7 +113,8 @@ impl ComputeService {
         self.comparison = Comparison::None;
         self.stands_in = Arc::default();
         let stands_in = Arc::clone(&self.stands_in);
-        // Whether the machine was measured is asked on the engine's thread: it takes a moment.
+        // The engine's thread finds out whether the machine was measured, because that takes a
+        // moment.
         let opening = self.begin(move |request| {
             let is_measured = || Profile::kept(request.threads).is_some();
             if waits_for_comparison(&request) && !is_measured() {
@@ -124,7 +126,8 @@ impl ComputeService {
         self.stage = opening.map_or(ServiceState::Failed, ServiceState::Opening);
     }
 
-    /// Begins to open an engine for what `choose` makes of the request; none without a thread.
+    /// Begins to open an engine for the request as changed by `choose`; none if no thread can be
+    /// started.
     fn begin(
         &mut self,
         choose: impl FnOnce(EngineRequest) -> EngineRequest + Send + 'static,
@@ -133,7 +136,7 @@ impl ComputeService {
         let (said, waker) = (Arc::new(Mutex::new(String::new())), Arc::clone(&self.wake));
         self.said = Arc::clone(&said);
         let tell = move |text: &str| {
-            // A thread that panicked while it held the lock left a whole sentence.
+            // Even a thread that panicked while it held the lock left a whole sentence.
             text.clone_into(&mut said.lock().unwrap_or_else(PoisonError::into_inner));
             waker();
         };
@@ -142,8 +145,8 @@ impl ComputeService {
         opening.inspect_err(|error| log::error!("no thread for the engine: {error}")).ok()
     }
 
-    /// Compares the engines once the first view is complete, and goes on with another than the
-    /// processor if that is faster. Returns true if the engine has changed.
+    /// Compares the engines once the first view is complete, and switches from the processor to a
+    /// faster one, if any. Returns true if the engine has changed.
     fn compare(&mut self) -> bool {
         match &self.comparison {
             Comparison::Due if self.explorer.is_done() && self.explorer.progress().covered => {
@@ -209,7 +212,7 @@ impl ComputeService {
         self.said.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Returns true if work waits that a turn would begin.
+    /// Returns true if a turn would begin work that is waiting.
     pub(crate) fn is_waiting(&self) -> bool {
         matches!(self.stage, ServiceState::Ready(_)) && self.explorer.is_waiting()
     }
@@ -227,12 +230,12 @@ impl ComputeService {
         }
     }
 
-    /// Sets the view target. While an engine is being opened, the target has the config of the one
-    /// before, so that nothing is shown, or told, that answers another question than the view's.
+    /// Sets the view target. While an engine is being opened, the target has the config of the
+    /// previous one, so that everything shown answers the view's question.
     pub(crate) fn aim(&mut self, target: impl FnOnce(IntegratorConfig) -> ViewTarget) {
         let Some(config) = self.config else { return };
         let target = target(config);
-        // Engines that are compared must have the machine for themselves.
+        // Engines that are compared must have the machine to themselves.
         let is_free = matches!(self.comparison, Comparison::None);
         let refinements = if is_free { target.refinements } else { 0 };
         self.explorer.target(&ViewTarget { refinements, ..target });
@@ -300,8 +303,8 @@ impl ComputeService {
     }
 }
 
-/// Returns true if the engine for a request depends on which is the fastest: another begins at once
-/// where that has yet to be measured, as long as the processor keeps the level's promise.
+/// Returns true if a request asks for the fastest engine at an accuracy level. The processor can
+/// keep the level's promise until the engines have been measured.
 fn waits_for_comparison(request: &EngineRequest) -> bool {
     let is_open = request.kind.is_none() && request.adapter.is_none();
     is_open && matches!(request.setting, IntegrationSetting::Accuracy(_))

@@ -84,8 +84,8 @@ pub struct DescentPath {
 }
 
 impl DescentPath {
-    /// Returns the target for a view. Views that a descent passes are drawn at half the resolution, so
-    /// that it does not wait long for each to be half drawn.
+    /// Returns the target for a view. Views that a descent passes are drawn at half the resolution,
+    /// because it waits until each is half drawn.
     pub fn passing(&self, target: ViewTarget) -> ViewTarget {
         let passes = self.running.is_some() && self.scenes.len() > 1;
         if passes { target.coarser() } else { target }
@@ -93,7 +93,8 @@ impl DescentPath {
 }
 
 impl AppModel {
-    /// Starts a descent towards the pointer, or the middle without one; stops a running descent.
+    /// Starts a descent towards the pointer, or towards the middle without one; stops a running
+    /// descent.
     pub(super) fn toggle_descent(&mut self) {
         if self.films.descent.running.take().is_some() {
             return;
@@ -115,8 +116,8 @@ impl AppModel {
             Some(BackgroundDescent::start(scene, towards, request, Arc::clone(&self.wake)));
     }
 
-    /// Follows the running descent once the view before has been reached and is half drawn. Returns
-    /// true if it had anything new.
+    /// Follows the running descent once its last view has been reached and is half drawn. Returns
+    /// true if the descent had news.
     pub(super) fn follow_descent(&mut self) -> bool {
         let ViewProgress { share, .. } = self.progress();
         if self.state.moving.is_some() || share < 0.5 {
@@ -163,8 +164,8 @@ impl AppModel {
         }
     }
 
-    /// Offers the way of a descent as a film, unless the user has begun another one. Returns true if
-    /// it did.
+    /// Offers the views of a descent as a film, unless the user has begun another film. Returns
+    /// true if it did.
     fn offer_film(&mut self) -> bool {
         let is_free = self.films.draft.keys.is_empty() || self.films.draft.of_descent;
         if self.films.descent.scenes.len() < 2 || !is_free {

@@ -1,4 +1,4 @@
-//! The desktop's own file dialogs. They wait on a thread, so that the window need not.
+//! The desktop's file dialogs, each awaited on a thread of its own.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -23,8 +23,8 @@ pub(crate) enum DialogAnswer {
     Missing,
 }
 
-/// Time within which nobody closes a dialog: an answer without a file that comes sooner is that of a
-/// desktop without dialogs.
+/// Shortest time in which a user can close a dialog. An answer without a file that comes sooner
+/// means that the desktop has no dialogs.
 const TOO_SOON: Duration = Duration::from_millis(300);
 
 impl FileDialog {

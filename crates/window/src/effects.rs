@@ -209,7 +209,7 @@ impl AppModel {
         self.exports.push(Export::start(request, self.engine_request(), move || wake()));
     }
 
-    /// Returns true, and tells the user, if an export is writing a file already.
+    /// Returns true, and tells the user, if an export is already writing the file.
     pub(super) fn is_busy(&mut self, path: &std::path::Path) -> bool {
         let busy = self.exports.iter().any(|export| export.will_write(path));
         if busy {

@@ -115,13 +115,13 @@ impl EguiHost {
         Ok(host)
     }
 
-    /// Returns true if a graphics card draws, and not the processor.
+    /// Returns true if a graphics card draws rather than the processor.
     pub(crate) fn is_quick(&self) -> bool {
         let state = self.painter.render_state();
         state.is_some_and(|state| !is_software(&state.adapter))
     }
 
-    /// Creates the canvas on the device and listens for the loss of the device and its errors.
+    /// Creates the canvas on the device and registers handlers for its loss and its errors.
     fn prepare_device(&mut self, proxy: &EventLoopProxy<Woken>) {
         let Some(state) = self.painter.render_state() else { return };
         let canvas = Canvas::new(&state.device, state.target_format, LAYERS);
@@ -176,7 +176,7 @@ impl EguiHost {
         self.input.on_window_event(&self.window, event).repaint
     }
 
-    /// Resizes the surface, as far as the device allows; complains if the window is larger.
+    /// Resizes the surface, up to the limit of the device; complains if the window is larger.
     fn resize(&mut self, width: u32, height: u32) {
         let most = self.most_px.max(1);
         if width.max(height) > most
@@ -217,8 +217,8 @@ impl EguiHost {
         }
     }
 
-    /// Draws and presents a frame. egui's painter panics if the device is lost meanwhile; as with
-    /// any other loss, the painter is then discarded and the window goes on.
+    /// Draws and presents a frame. egui's painter panics if the device is lost during the call; the
+    /// loss is then handled like any other.
     fn paint(&mut self, primitives: &[egui::ClippedPrimitive], pixels_per_point: f32) {
         let EguiHost { painter, textures, window, ctx, .. } = self;
         // Areas that no panel covers look like a panel.
@@ -269,8 +269,8 @@ impl EguiHost {
 fn configuration(display: OwnedDisplayHandle) -> WgpuConfiguration {
     let mut setup = WgpuSetupCreateNew::from_display_handle(display);
     let usual = Arc::clone(&setup.device_descriptor);
-    // The map's textures are few and stay: the usual blocks for ones to come would take half as much
-    // of the card's memory again.
+    // The map's textures are few and permanent. The usual blocks, with room for more, would take
+    // half as much of the card's memory again.
     setup.device_descriptor = Arc::new(move |adapter| wgpu::DeviceDescriptor {
         memory_hints: wgpu::MemoryHints::MemoryUsage,
         ..usual(adapter)

@@ -12,12 +12,12 @@ use flipmap_scene::palette::Rgb;
 
 /// Distance in points between the nodes at which the energy is evaluated.
 const CURVE_NODE: f64 = 8.0;
-/// Side in points of a square that is not divided again where the curve crosses itself.
+/// Side in points below which a square is not divided where the curve crosses itself.
 const CURVE_LEAST: f64 = 0.6;
 
 /// The depth (the negated potential energy) of starts near a centre, minus the bound above which
-/// they can never flip. Differences from the centre are computed separately from its own depth, so
-/// that no digit is lost however small the view.
+/// they can never flip. Differences from the centre are computed apart from its depth, so that no
+/// digits are lost in small views.
 struct EnergyDepth {
     /// Value at the centre in J.
     center: f64,
@@ -79,9 +79,9 @@ pub(crate) fn energy_curve(screen: &Screen, build: &PendulumSpec, rule: Rule) ->
 /// A point in the canvas, and the depth of its start.
 type Corner = (DVec2, f64);
 
-/// Adds the curve's lines in a square (marching squares). Where the curve crosses itself, the depth is
-/// flat, and the corners do not tell how: a square whose corners are no deeper than `flat`, or that is
-/// crossed twice, is divided until what is wrong cannot be seen.
+/// Adds the curve's lines in a square (marching squares). Where the curve crosses itself, the depth
+/// is flat and the corners are ambiguous: a square with depths of less than `flat` at all corners,
+/// or that is crossed twice, is divided until errors are too small to see.
 fn cross(
     corners: [Corner; 4],
     flat: f64,
@@ -113,7 +113,8 @@ fn quarters(corners: [Corner; 4], depth: &impl Fn(DVec2) -> f64) -> [[Corner; 4]
     [0, 1, 2, 3].map(|k| [corners[k], sides[k], center, sides[(k + 3) % 4]])
 }
 
-/// The zero of the depth between two points where its signs differ: two steps of false position.
+/// Returns the zero of the depth between two points where its signs differ, by two steps of false
+/// position.
 fn zero_between([mut a, mut b]: [Corner; 2], depth: &impl Fn(DVec2) -> f64) -> DVec2 {
     let zero = |a: Corner, b: Corner| a.0 + (b.0 - a.0) * (a.1 / (a.1 - b.1));
     for _ in 0..2 {
@@ -128,8 +129,8 @@ fn zero_between([mut a, mut b]: [Corner; 2], depth: &impl Fn(DVec2) -> f64) -> D
     zero(a, b)
 }
 
-/// Draws the energy curve in a colour, with a rim of the opposite lightness, so that it is visible on
-/// every colour.
+/// Draws the energy curve in a colour, with a rim of the opposite lightness, so that it is visible
+/// on every colour.
 pub(crate) fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]], colour: Rgb) {
     let [r, g, b] = colour;
     let is_dark = colour.iter().all(|channel| *channel < 0x80);

@@ -1,5 +1,5 @@
-//! Exports: a view as a picture or as numbers at any size, computed in the background by an engine
-//! of its own, with the same loop and files as `flipmap render`; and films (`film_run.rs`).
+//! Exports in the background: a view as a picture or as numbers at any size, computed by an engine
+//! of its own with the same loop and files as `flipmap render`; and films (`film_run.rs`).
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -57,7 +57,7 @@ pub enum ExportStage {
     },
     /// The export was cancelled; there is no file.
     Cancelled {
-        /// True if what was computed is kept, so that the same export continues there.
+        /// True if the computed part is kept, so that the same export can continue from it.
         resumes: bool,
     },
     /// The export failed; holds the reason as a sentence. There is no file.
@@ -111,8 +111,8 @@ impl Export {
         export
     }
 
-    /// Does the work of an export on a thread; the work gets a function to call with each stage and
-    /// one that returns true once it is to stop.
+    /// Runs the work of an export on a thread. It gets a function to call with each stage and one
+    /// that returns true once it should stop.
     fn spawn(
         path: PathBuf,
         wake: impl Fn() + Send + Sync + 'static,
@@ -147,7 +147,7 @@ impl Export {
         &self.path
     }
 
-    /// Returns true if it is a film.
+    /// Returns true if the export is a film.
     pub(crate) fn is_film(&self) -> bool {
         self.is_film
     }
@@ -157,7 +157,7 @@ impl Export {
         self.shared.stage().clone()
     }
 
-    /// Returns true until the export has ended if a path leads to its file.
+    /// Returns true if the export has not ended and `path` leads to its file.
     pub(crate) fn will_write(&self, path: &Path) -> bool {
         matches!(self.stage(), ExportStage::Starting(_) | ExportStage::Running { .. })
             && is_one_file(&self.path, path)
@@ -211,9 +211,9 @@ impl From<flipmap_engine::EngineError> for Failure {
     }
 }
 
-/// Called with each stage of an export.
+/// A function to call with each stage of an export.
 type Reporter<'a> = dyn Fn(ExportStage) + Sync + 'a;
-/// Returns true once an export is to stop.
+/// A function that returns true once an export should stop.
 type Stopped<'a> = dyn Fn() -> bool + Sync + 'a;
 
 /// Time between two reports of progress.
@@ -247,7 +247,7 @@ fn run(
     Ok(())
 }
 
-/// An export in a window, which displays its progress now and then and can stop it.
+/// The watch over an export, which reports progress every [`TICK`] and can stop it.
 struct InWindow<'a> {
     begun: Instant,
     told: Mutex<Option<Instant>>,
@@ -277,7 +277,7 @@ impl Watch for InWindow<'_> {
 
 impl ExportRequest {
     fn paths(&self) -> Paths {
-        // A file of that name; on the command line it would mean standard output.
+        // Here `-` is a file of that name; on the command line it would mean standard output.
         let path = if self.path.as_os_str() == "-" { Path::new("./-") } else { &self.path };
         let path = Some(path.to_path_buf());
         match self.kind {

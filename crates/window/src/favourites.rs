@@ -8,8 +8,8 @@ use flipmap_scene::PictureTable;
 pub(super) const DIGITS: std::ops::RangeInclusive<u8> = 1..=9;
 
 impl Settings {
-    /// Keeps the colours of a picture under a digit; `own_times` is true if its times were chosen, and
-    /// not taken from the view.
+    /// Keeps the colours of a picture under a digit; `own_times` is true if its times were chosen
+    /// rather than taken from the view.
     pub(crate) fn keep_colours(&mut self, digit: u8, picture: &PictureTable, own_times: bool) {
         let plain = PictureTable::default();
         let mut kept = PictureTable {
@@ -28,7 +28,8 @@ impl Settings {
         }
     }
 
-    /// Returns a picture in the colours kept under a digit, or a sentence that says why there are none.
+    /// Returns a picture in the colours kept under a digit, or a sentence that says why there are
+    /// none.
     pub(crate) fn kept_colours(
         &self,
         digit: u8,

@@ -14,7 +14,7 @@ use super::reach::Reach;
 use flipmap_scene::{Scene, View};
 
 impl AppModel {
-    /// Carries out an action of the film's panel; returns what the map is to do.
+    /// Carries out an action of the film panel; returns the action for the map, if any.
     pub(super) fn film(&mut self, action: FilmAction) -> Option<Action> {
         let done = match action {
             FilmAction::Add => {
@@ -71,7 +71,7 @@ impl AppModel {
         Ok(())
     }
 
-    /// Advances the preview, if it plays; returns what the map is to show next.
+    /// Advances the preview, if it plays; returns the action for the map, if any.
     pub(super) fn play_film(&mut self, ctx: &egui::Context) -> Option<Action> {
         if !self.films.draft.clock.is_playing() {
             return None;
@@ -83,7 +83,8 @@ impl AppModel {
         self.previewed()
     }
 
-    /// Shows the moment of the film that its clock tells. Another pendulum or question is an action.
+    /// Moves the camera to the preview's moment of the film. Returns an action if anything but the
+    /// view differs.
     fn previewed(&mut self) -> Option<Action> {
         let scene = self.films.draft.scene()?;
         let asked = Scene { view: View::default(), ..scene.clone() };
@@ -102,5 +103,5 @@ impl AppModel {
     }
 }
 
-/// Longest time in s by which a frame advances the preview: what stalls the window does not skip a part.
+/// Longest time in s by which a frame advances the preview, so that a stalled window skips nothing.
 const MAX_FRAME_SECS: f32 = 0.2;

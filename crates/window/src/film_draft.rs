@@ -58,7 +58,7 @@ impl FilmDraft {
         self.of_descent = true;
     }
 
-    /// Removes a key; the later ones keep their times from key to key.
+    /// Removes a key; the steps to the later keys keep their lengths.
     pub(crate) fn remove(&mut self, place: usize) {
         if place >= self.keys.len() {
             return;
@@ -70,7 +70,7 @@ impl FilmDraft {
         self.of_descent = false;
     }
 
-    /// Sets the time in s from the key before to this one; the later ones move along.
+    /// Sets the time in s from the previous key to this one; the later keys are shifted.
     pub(crate) fn set_step(&mut self, place: usize, secs: f64) {
         let mut steps = self.steps_secs();
         if let Some(step) = steps.get_mut(place) {
@@ -79,7 +79,7 @@ impl FilmDraft {
         self.set_steps(&steps);
     }
 
-    /// Returns the time in s from the key before to each one; 0 s to the first.
+    /// Returns the time in s to each key from the one before it; 0 for the first.
     pub(crate) fn steps_secs(&self) -> Vec<f64> {
         let mut before = self.keys.first().map_or(0.0, |first| first.secs);
         let mut step = |secs| secs - std::mem::replace(&mut before, secs);
@@ -108,7 +108,7 @@ impl FilmDraft {
                     (first.scene.picture.clone(), first.scene.run.clone());
             }
         }
-        // As `flipmap video` counts them.
+        // Frames are counted as in `flipmap video`.
         let frames = (self.secs() * self.fps).round().clamp(2.0, f64::from(u32::MAX)) as u32;
         let film = Film { size: self.size, frames, fps: self.fps, keys };
         film.check()?;
@@ -128,12 +128,14 @@ impl FilmDraft {
     pub(crate) fn scene(&self) -> Option<Scene> {
         let film = self.film().ok()?;
         let shot = film.shot_at(self.keys[0].secs + self.clock.time_secs());
-        // With the budget of each moment, the map of a moving camera would begin again at each.
+        // If the budget changed with each moment, the map of a moving camera would restart each
+        // time.
         let budget = Budget::secs(film.shown_secs(&shot));
         Some(Scene { question: QuestionSettings { budget, ..shot.scene.question }, ..shot.scene })
     }
 
-    /// Reads keys from their file, or says in a sentence why it left the draft as it was.
+    /// Reads the keys from their file. On failure, the draft stays as it was and the error is a
+    /// sentence.
     pub(crate) fn open_keys(&mut self) -> Result<(), String> {
         let path = Path::new(&self.keys_path);
         let refuse = |why: &dyn std::fmt::Display| {
@@ -146,7 +148,8 @@ impl FilmDraft {
         Ok(())
     }
 
-    /// Writes the keys to their file, or says in a sentence why it was left as it was.
+    /// Writes the keys to their file. On failure, the file stays as it was and the error is a
+    /// sentence.
     pub(crate) fn save_keys(&self) -> Result<(), String> {
         let file = Destination::from(Path::new(&self.keys_path));
         SafeFile::write_whole(&file, self.text().as_bytes())
@@ -158,7 +161,7 @@ impl FilmDraft {
         Keys { keys: self.keys.clone(), ..Keys::default() }.text()
     }
 
-    /// Changes the keys; the preview begins again.
+    /// Changes the keys and restarts the preview.
     fn edit(&mut self, change: impl FnOnce(&mut Keys)) {
         let mut keys = Keys { keys: std::mem::take(&mut self.keys), ..Keys::default() };
         change(&mut keys);

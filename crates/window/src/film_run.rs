@@ -1,5 +1,5 @@
-//! Films made from the window, by `flipmap video` in a process of its own: so they are the same as from
-//! a terminal, bit for bit, keep their samples when they are stopped, and outlive a fault of the window.
+//! Films made from the window by `flipmap video` in a process of its own. They are bit for bit the
+//! same as from a terminal, keep their samples when stopped, and survive a crash of the window.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -28,8 +28,9 @@ pub struct FilmOrder<'a> {
     pub engine: &'a EngineRequest,
 }
 
-/// The command that makes a film and reports its progress as lines of JSON on standard error. Given by the
-/// command line, which alone knows its options.
+/// A function that returns the command for making a film, which reports its progress as lines of
+/// JSON on standard error. The command-line program provides it, because it alone knows its
+/// options.
 pub(crate) type FilmCommand = fn(&FilmOrder) -> std::io::Result<Command>;
 
 /// A film that the window makes in the background.
@@ -53,7 +54,7 @@ pub(crate) enum FilmRunError {
     /// The process could not be started or watched.
     #[error("the film could not be begun: {0}")]
     Process(#[from] std::io::Error),
-    /// The process refused or failed, in its own words.
+    /// The process refused or failed; holds its message.
     #[error("{0}")]
     Said(String),
     /// The user stopped it; its samples are kept.
@@ -69,7 +70,7 @@ struct Line {
     secs_left: f64,
 }
 
-/// Time between two looks at whether the film is to be stopped.
+/// Time between two checks whether the film should be stopped.
 const TICK: Duration = Duration::from_millis(100);
 
 /// Makes a film; calls `set` with its progress, and stops it when `stopped` returns true.
@@ -116,7 +117,7 @@ pub(super) fn film(
     }
 }
 
-/// Largest number of bytes of a line that is read.
+/// Largest number of bytes read as one line.
 const MAX_LINE: u64 = 1 << 16;
 
 /// Returns the lines of a stream as they come, read on a thread of their own.
@@ -145,7 +146,7 @@ fn stage(line: &Line) -> ExportStage {
     ExportStage::Running { share, pace: left }
 }
 
-/// Asks the process to stop, which lets it finish the samples in hand.
+/// Asks the process to stop after it has finished the samples in hand.
 #[cfg(unix)]
 fn ask_to_stop(child: &mut Child) -> std::io::Result<()> {
     use rustix::process::{Pid, Signal, kill_process};

@@ -14,9 +14,9 @@ use flipmap_scene::question::MAX_CHANNELS;
 pub struct Answer {
     /// Status: [`Status::Answered`] if there is an answer.
     pub status: Status,
-    /// Values of the question's channels, and zeros.
+    /// Values of the question's channels, followed by zeros.
     pub values: [f64; MAX_CHANNELS],
-    /// Degree to which it is sure.
+    /// Certainty of the answer.
     pub trust: Trust,
 }
 
@@ -56,7 +56,7 @@ pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Exact; 2]) -> Optio
     answer_of(explorer, cell, angle, |stride, place| stride.index(place, SIDE))
 }
 
-/// Returns the same, or the known answer of a sample near it in the cell.
+/// Returns the known answer of the sample at a place inside a cell, or of the nearest known one.
 pub(crate) fn known_near(explorer: &mut Explorer, cell: Cell, angle: [Exact; 2]) -> Option<Answer> {
     answer_of(explorer, cell, angle, |stride, place| Some(stride.nearest(place, SIDE)))
 }
@@ -79,7 +79,7 @@ fn answer_of(
 }
 
 impl Answer {
-    /// The outcome of a question about a time.
+    /// Returns the answer to a question about a time as an outcome.
     pub(crate) fn outcome(&self) -> Outcome {
         match self.status {
             Status::Answered => Outcome::flipped(self.values[0]),

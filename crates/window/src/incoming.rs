@@ -25,8 +25,8 @@ impl AppState {
         (!same).then_some(Effect::Relaunch)
     }
 
-    /// Changes the pendulum, the question and the plane. On another plane the view starts anew; on
-    /// the same one it shows the same starts, whatever the reach of the lattice.
+    /// Changes the pendulum, the question and the plane. A plane of another kind gets its home
+    /// view; otherwise the view shows the same starts, whatever the reach of the lattice.
     pub(super) fn ask(&mut self, scene: &Scene) {
         let (was, is_same_kind) = (self.plane.clone(), self.plane.kind == scene.plane.kind);
         if self.question.ask != scene.question.ask {
@@ -52,8 +52,8 @@ impl AppState {
         self.history = History::new(self.camera);
     }
 
-    /// Computes as a run table says from now on; an empty table changes nothing. Returns true if
-    /// the integration setting or the checking has changed.
+    /// Applies a run table to everything computed from now on; an empty table changes nothing.
+    /// Returns true if the integration setting or the checking has changed.
     fn compute_as(&mut self, run: &RunTable) -> bool {
         let words = RunTable { size: None, ..run.clone() };
         if words == RunTable::default() {

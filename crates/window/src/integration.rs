@@ -1,9 +1,9 @@
-//! The way in which the pixels of the window are integrated.
+//! Settings for the integration of the window's pixels.
 
 use flipmap_engine::EngineKind;
 use flipmap_engine::run_settings::RunSpec;
 
-/// The way in which pixels are integrated, and the engine that is wanted for it.
+/// Settings for the integration of pixels, and the wanted engine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Integration {
     /// The resolved settings.

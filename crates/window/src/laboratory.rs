@@ -42,8 +42,8 @@ impl AppModel {
         Settings::within_ui_scales(self.state.look.ui_scale * factor)
     }
 
-    /// Returns what an action means in the place where the user is: a figure takes the keys that
-    /// would otherwise act on the pins, the map's clock, or close the lab.
+    /// Returns the action that takes effect where the user is: a figure that hides the map takes
+    /// Play or pause, and Escape leaves the projector mode if no dialog is open.
     pub(super) fn in_place(&self, action: Action) -> Action {
         let dialogs = self.state.shown.help || self.state.shown.commands;
         match action {
@@ -62,7 +62,7 @@ impl AppModel {
             LabAction::PlayPause => lab.playing.paused ^= true,
             LabAction::ShiftSpeed(by) => lab.playing.shift_speed(by),
             LabAction::Projector => {
-                // Before an audience means in the lab: from the map, the lab is opened, too.
+                // The projector mode is part of the lab, so the lab is opened if the map is shown.
                 lab.projector = !(lab.projector && self.state.shown.lab);
                 self.show_figure(Some(self.lab.figure));
             }
@@ -98,7 +98,7 @@ impl AppModel {
         self.show_figure(Some(figure));
     }
 
-    /// Shows the tabs of all figures; before an audience only what is needed to go on.
+    /// Shows the tabs of all figures; in projector mode only the buttons for going on and leaving.
     pub(super) fn figure_tabs(&self, ui: &mut Ui) -> Vec<Action> {
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {
@@ -148,7 +148,8 @@ impl AppModel {
         actions
     }
 
-    /// Shows the explanation of the map beside it, and the story if it is told.
+    /// Shows the explanation of the map over its upper left corner, and the story's card while the
+    /// story is on.
     pub(super) fn explanation(&mut self, ctx: &egui::Context) -> Vec<Action> {
         let counts = self.compute.explorer.counts();
         let seen = Seen {
@@ -177,7 +178,7 @@ impl AppModel {
         actions
     }
 
-    /// Goes to a start on the map, or on that of pendulums thrown with its speeds, and pins it.
+    /// Goes to a start on the map of pendulums released with its speeds, and pins it.
     pub(super) fn aimed_in_lab(&mut self, start: State<f64>) {
         self.state.shown.lab = false;
         let [omega1, omega2] = start.speed.map(|speed| speed.to_string());

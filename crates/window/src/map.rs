@@ -68,7 +68,8 @@ pub(crate) fn map(
     gesture.actions(state.drawing)
 }
 
-/// Returns the size of a part of the window in physical pixels, whose edges are at whole pixels.
+/// Returns the size in physical pixels of a part of the window, with its edges rounded to whole
+/// pixels.
 fn size_px(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
     let edge = |at: f32| (at * pixels_per_point).round();
     let [min, max] = [rect.min, rect.max].map(|corner| [edge(corner.x), edge(corner.y)]);
@@ -105,7 +106,8 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
 }
 
 /// Returns how far the pointer has dragged since the last frame. The first frame of a drag covers
-/// all since the press and the last one what precedes the release, or the map would lag behind.
+/// the whole way since the press and the last one the way up to the release, or the map would lag
+/// behind.
 fn dragged_points(ui: &Ui, response: &egui::Response, dragged: bool) -> egui::Vec2 {
     if response.drag_started() {
         return response.total_drag_delta().filter(|_| dragged).unwrap_or_default();

@@ -1,5 +1,6 @@
 //! The app model: a window's plain state, the compute service, the map renderer, and what is saved
-//! on disk; all but the window itself. Any egui can show it, so tests need no window.
+//! on disk; everything except the window itself. Any egui context can show it, so tests need no
+//! window.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -40,9 +41,9 @@ use flipmap_scene::{BuiltIn, Document, PictureTable, RunTable};
 /// Options for opening a window.
 #[derive(Clone, Debug)]
 pub struct WindowOptions {
-    /// Document to show; if none, the one with which the window was left.
+    /// Document to show; if none, that of the last session or the home scene.
     pub document: Option<Document>,
-    /// Run table to compute by; if none, that of the document shown.
+    /// Run table to use; if none, that of the document shown.
     pub run: Option<RunTable>,
     /// Engine to use; its integration setting follows from the run table.
     pub request: EngineRequest,
@@ -54,7 +55,7 @@ pub struct WindowOptions {
     pub film_command: Option<FilmCommand>,
 }
 
-/// The purpose for which the file dialog was opened.
+/// The open file dialog, by its purpose.
 pub(super) enum Asking {
     Open(FileDialog),
     Export(FileDialog),
@@ -76,7 +77,7 @@ pub(super) struct Forms {
 pub struct Films {
     /// Film that is being planned.
     pub draft: FilmDraft,
-    /// Command that makes it, if the window has one.
+    /// Command that makes films, if the window has one.
     pub(super) command: Option<FilmCommand>,
     /// Descent that is running, or the views of the last one.
     pub descent: DescentPath,
@@ -86,7 +87,7 @@ pub struct Films {
 pub struct AppModel {
     /// Plain state that is shown.
     pub state: AppState,
-    /// Service that computes it.
+    /// Service that computes the map.
     pub compute: ComputeService,
     pub(super) map_renderer: MapRenderer,
     pub(super) swing: HoverSwing,
@@ -102,14 +103,14 @@ pub struct AppModel {
     /// Films, and the descent that may become one.
     pub films: Films,
     pub(super) estimates: Estimates,
-    /// Figures of the lesson.
+    /// Figures of the laboratory.
     pub lab: Lab,
     pub(super) request: EngineRequest,
     pub(super) wake: Wake,
     saved: LastSave,
     /// Lines for the debug panel, set by the owner of the window.
     pub measured: Vec<String>,
-    /// View over which deep colours were last spread, and true if it was complete.
+    /// View over whose times the colours were last spread, and true if it was complete.
     pub(super) spread_for: Option<(Camera, bool)>,
 }
 
@@ -127,8 +128,8 @@ const WORK: Duration = Duration::from_millis(4);
 /// Time between updates of the status line during slow work.
 const DOING: Duration = Duration::from_millis(250);
 
-/// Returns the least, first and greatest width in points of the panels at the side of a window, in
-/// which the map keeps the larger part however narrow it is.
+/// Returns the least, default and greatest width in points of the panels at the side of a window;
+/// the map keeps more than half of a narrow window.
 fn side_widths(window: f32) -> [f32; 3] {
     if window < 700.0 {
         return [0.25, 0.38, 0.45].map(|share| share * window);
@@ -223,7 +224,7 @@ impl AppModel {
         self.compute.explorer.progress()
     }
 
-    /// Forgets what was on the graphics card, which is gone, so that all is uploaded again.
+    /// Forgets what was on the lost graphics device, so that everything is uploaded again.
     pub(crate) fn forget_card(&mut self) {
         self.map_renderer = MapRenderer::default();
         self.thumbnails = Thumbnails::default();
@@ -363,14 +364,14 @@ impl AppModel {
         self.saved.settings = Some(self.settings.clone());
     }
 
-    /// Saves the settings now and then too, so that a crash costs little.
+    /// Saves the settings if the last save is some time ago, so that a crash loses little.
     pub(crate) fn save_sometimes(&mut self) {
         if self.saved.at.elapsed() > SAVE_EVERY {
             self.save();
         }
     }
 
-    /// Shows a file: a picture written by this program, or a scene.
+    /// Shows a file: a picture written by this program, a scene, or a gradient as the palette.
     pub(super) fn open(&mut self, path: &Path) {
         if let Some(gradient) = flipmap_render::output::read_gradient(path) {
             match gradient {

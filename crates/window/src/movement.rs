@@ -1,4 +1,4 @@
-//! Movements of the view: how each changes the camera.
+//! Movements of the view and their effects on the camera.
 
 use glam::DVec2;
 
@@ -61,7 +61,7 @@ impl AppState {
         self.go_at(to, MovePace::Glide);
     }
 
-    /// Jumps to a camera; `on_the_way` if it will be moved again at once.
+    /// Jumps to a camera; `on_the_way` is true if it will be moved again at once.
     pub(super) fn jump(&mut self, to: Camera, on_the_way: bool) {
         (self.camera, self.moving, self.dragging) = (to, None, on_the_way);
     }

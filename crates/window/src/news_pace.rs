@@ -1,4 +1,5 @@
-//! The time that new tiles wait to be drawn: drawing takes time from computing where the processor draws.
+//! The time that new tiles wait to be drawn. Where the processor draws, frames take time from
+//! computing.
 
 use std::time::{Duration, Instant};
 
@@ -6,10 +7,11 @@ use flipmap_render::tiles::explorer::ViewProgress;
 
 /// Least time that new tiles alone wait for a frame.
 const LEAST: Duration = Duration::from_millis(120);
-/// The same, in durations of the last frame: where the processor draws too, it still computes for
-/// most of the time. It grows by one such duration a second, as the picture changes ever less.
+/// Time that new tiles wait, in durations of the last frame, so that a processor that draws still
+/// computes most of the time. The wait grows by one duration per second without an event, as the
+/// picture changes less and less.
 const IN_FRAMES: f64 = 6.0;
-/// Largest such time, so that the map is seen to grow.
+/// Longest time that new tiles wait, so that the map grows visibly.
 const MOST: Duration = Duration::from_secs(1);
 
 /// The last frame, and what it showed.
@@ -24,7 +26,7 @@ pub(super) struct NewsPace {
 }
 
 impl NewsPace {
-    /// The pace of a window that has drawn nothing yet.
+    /// Creates the pace of a window that has drawn nothing yet.
     pub(super) fn new(now: Instant) -> Self {
         NewsPace { took: Duration::ZERO, milestones: [false; 2], touched: now }
     }
@@ -39,8 +41,8 @@ impl NewsPace {
         (self.took, self.milestones) = (took, milestones_of(progress));
     }
 
-    /// Returns the time from the last frame to one that shows this progress: none to the first one of a
-    /// whole view, and to its last.
+    /// Returns the time from the last frame to one that shows this progress; zero for the first
+    /// frame of a whole view and for its last.
     pub(super) fn pause(&self, progress: &ViewProgress, now: Instant) -> Duration {
         if milestones_of(progress) != self.milestones {
             return Duration::ZERO;

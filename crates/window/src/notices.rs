@@ -1,5 +1,5 @@
-//! The notices of the window: plain sentences. Failures stay until they are closed; what is only good
-//! to know fades.
+//! The notices of the window: plain sentences. Failures stay until they are closed; other notices
+//! disappear after a while.
 
 /// A notice of one sentence.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,11 +23,12 @@ pub struct Notices {
 
 /// Largest number of notices shown at once.
 const MOST: usize = 4;
-/// Time in s for which a notice is shown that is no failure.
+/// Time in s for which a notice is shown, unless it is a failure.
 const FADES_AFTER_SECS: f64 = 8.0;
 
 impl Notice {
-    /// Moment on the window's clock, in s, at which the notice goes; none if it stays.
+    /// Returns the moment on the window's clock, in s, at which the notice disappears; none if it
+    /// stays.
     fn ends_secs(&self) -> Option<f64> {
         self.shown_secs.filter(|_| !self.failure).map(|shown| shown + FADES_AFTER_SECS)
     }
@@ -51,8 +52,7 @@ impl Notices {
         self.list.retain(|notice| notice.id != id);
     }
 
-    /// Advances to a moment of the window's clock, in s: notices that are no failures go when their
-    /// time is over.
+    /// Advances to a moment of the window's clock, in s, and removes notices whose time is over.
     pub(crate) fn advance(&mut self, now_secs: f64) {
         for notice in &mut self.list {
             notice.shown_secs.get_or_insert(now_secs);
@@ -60,7 +60,8 @@ impl Notices {
         self.list.retain(|notice| notice.ends_secs().is_none_or(|ends| ends > now_secs));
     }
 
-    /// Moment on the window's clock, in s, at which the next notice goes; none if none does.
+    /// Returns the moment on the window's clock, in s, at which the next notice disappears, if any
+    /// does.
     pub(crate) fn next_end_secs(&self) -> Option<f64> {
         self.list.iter().filter_map(Notice::ends_secs).min_by(f64::total_cmp)
     }
@@ -70,7 +71,7 @@ impl Notices {
         self.list.iter()
     }
 
-    /// Adds a notice; a sentence shown already is moved to the end, not repeated.
+    /// Adds a notice; one that is already shown is moved to the end instead of repeated.
     fn push(&mut self, text: String, failure: bool) {
         self.list.retain(|notice| notice.text != text);
         let id = self.next_id;

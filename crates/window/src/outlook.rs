@@ -18,7 +18,7 @@ use flipmap_render::tiles::outlook;
 use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::Scene;
 
-/// Width and height in pixels of the picture that stands for the view.
+/// Width and height in pixels of the picture that represents the view.
 const SIZE: [u32; 2] = [64, 64];
 
 /// Estimates about the newest view, made in the background.
@@ -44,7 +44,8 @@ struct OutlookThread {
 }
 
 impl Forecast {
-    /// Asks for the outlook on a view, unless it is the one last asked for; `scene` is its scene.
+    /// Asks for the outlook on a view, unless it is the one last asked for; `scene` returns its
+    /// scene.
     pub(super) fn ask(&mut self, target: ViewTarget, scene: impl FnOnce() -> Scene, wake: &Wake) {
         let target = ViewTarget { pointer: None, refinements: 0, ..target };
         if self.asked.as_ref() == Some(&target) {

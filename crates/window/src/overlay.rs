@@ -1,4 +1,4 @@
-//! The overlays on the colours: the grid of angles, borders of tiles.
+//! The overlays on the map: grid, axes, labels, borders of tiles, and the frame of an export.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use glam::DVec2;
@@ -17,13 +17,12 @@ pub(crate) fn position(rect: Rect, point: DVec2) -> Pos2 {
     rect.center() + egui::vec2(point.x as f32, point.y as f32)
 }
 
-/// A line of the grid: the angle it marks, its value as people write it, and its distance from the
-/// centre in rad.
+/// A line of the grid, which marks a round value on an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct GridLine {
-    /// Index of the angle: 0 for θ1, 1 for θ2.
+    /// Index of the axis: 0 across, 1 up.
     pub axis: usize,
-    /// Value of the angle, for example `π/2`.
+    /// Text of the value, for example `π/2`.
     pub name: String,
     /// Offset from the centre in rad.
     pub offset_rad: f64,
@@ -67,7 +66,8 @@ impl Spacing {
         }
     }
 
-    /// Returns a line near a place, in π: 0, or a round number of fewer digits than the lines.
+    /// Returns the position of a line near a place, in units of π: 0, or the place rounded to one
+    /// digit fewer than the lines have.
     fn base(self, near: Exact) -> Exact {
         match self {
             Spacing::Binary(_) => Exact::ZERO,
@@ -77,7 +77,7 @@ impl Spacing {
         }
     }
 
-    /// Returns the name of the line this many steps from the base, which is at `share` of π.
+    /// Returns the name of the line at `share` times π, which is `steps` steps from the base.
     fn name(self, steps: i64, share: Exact) -> String {
         match self {
             _ if share == Exact::ZERO => "0".to_string(),
@@ -111,8 +111,8 @@ pub(crate) fn grid_lines(screen: &Screen) -> Vec<GridLine> {
     lines
 }
 
-/// Returns lines at round numbers of a quantity that is no angle, as many as are easy to tell
-/// apart; their offsets are in lattice radians.
+/// Returns lines at round numbers in the unit of an axis, as many as are easy to tell apart; their
+/// offsets are in lattice radians.
 pub(crate) fn round_lines(screen: &Screen, axis: usize) -> Vec<GridLine> {
     let (region, units) = (screen.region(), screen.camera.reach.units());
     let (center, half) = (region.center[axis].to_f64() * units, region.half_rad[axis] * units);
@@ -132,7 +132,7 @@ pub(crate) fn round_lines(screen: &Screen, axis: usize) -> Vec<GridLine> {
         .collect()
 }
 
-/// Writes what the axes are in two corners of the map.
+/// Writes the symbols and units of the axes in two corners of the map.
 pub(crate) fn draw_axes(painter: &Painter, rect: Rect, axes: [Axis; 2]) {
     let [across, up] = axes.map(|axis| format!("{}, {}", axis.symbol(), axis.unit()));
     let inset = egui::vec2(6.0, 6.0);
@@ -140,7 +140,7 @@ pub(crate) fn draw_axes(painter: &Painter, rect: Rect, axes: [Axis; 2]) {
     label(painter, rect.left_top() + inset, Align2::LEFT_TOP, &format!("{up} ↑"));
 }
 
-/// Returns the text of `index`/2^`power` of π, as people write it.
+/// Returns the text of `index`/2^`power` times π as a reduced fraction, such as `3π/4`.
 fn binary_part_of_pi(index: i64, power: i32) -> String {
     let (mut above, mut below) = (index, 1i64 << power.max(0));
     if power < 0 {
@@ -162,7 +162,8 @@ pub(crate) fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen, axes: [A
     let region = screen.region();
     let stroke = Stroke::new(1.0, Color32::from_black_alpha(110));
     let rim = Stroke::new(3.0, Color32::from_white_alpha(50));
-    // On the torus a lattice radian is one of the angles; elsewhere angles are numbers, too.
+    // On the torus, lattice radians are those of the angles. On other planes, even the lines of
+    // angles are at round numbers.
     let lines = if screen.camera.reach.repeats {
         grid_lines(screen)
     } else {
@@ -214,8 +215,8 @@ pub(crate) fn draw_tiles(painter: &Painter, rect: Rect, screen: &Screen) {
     }
 }
 
-/// Draws the frame of a picture of this size, which is as wide as the map, and darkens what is beyond
-/// it.
+/// Draws the frame of a picture of this size, which is as wide as the map, and darkens the map
+/// beyond it.
 pub(crate) fn draw_export_frame(painter: &Painter, rect: Rect, size: [u32; 2]) {
     let frame = export_frame(rect, size);
     let dark = Color32::from_black_alpha(120);
@@ -234,8 +235,7 @@ pub(crate) fn draw_export_frame(painter: &Painter, rect: Rect, size: [u32; 2]) {
     }
 }
 
-/// Returns the part of the plane of the screen that a picture of this size shows: its view is as
-/// wide as the map.
+/// Returns the part of the screen that a picture of this size shows, which is as wide as the map.
 fn export_frame(rect: Rect, [width, height]: [u32; 2]) -> Rect {
     let side = egui::vec2(rect.width(), rect.width() * height as f32 / width.max(1) as f32);
     Rect::from_center_size(rect.center(), side)

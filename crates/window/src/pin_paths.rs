@@ -1,4 +1,4 @@
-//! The paths of the pinned pendulums over the map: where on the plane of angles each has just been.
+//! The recent paths of the pinned pendulums in the plane of angles, drawn over the map.
 
 use egui::{Color32, Painter, Rect, Shape, Stroke};
 use glam::DVec2;
@@ -14,7 +14,7 @@ const BAND: usize = 16;
 /// window, and small enough for f32.
 const FAR: f64 = 1e5;
 
-/// Draws the recent paths of all pins, fading with age. Only on the torus are θ1 and θ2 the axes.
+/// Draws the recent paths of all pins, fading with age, if the map is the torus of θ1 and θ2.
 pub(super) fn draw(painter: &Painter, rect: Rect, state: &AppState) {
     if !state.camera.reach.repeats {
         return;
@@ -74,7 +74,7 @@ mod tests {
         let lines = unbroken(&screen, path.into_iter());
         assert_eq!(lines.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2]);
         assert!(lines[0][1].x > 300.0 && lines[1][0].x < -300.0, "{lines:?}");
-        // Turns are counted in a motion, but not on the map.
+        // A motion counts full turns, but the map does not.
         let turned = path.map(|[theta1, theta2]| [theta1 - 8.0 * std::f64::consts::PI, theta2]);
         let again = unbroken(&screen, turned.into_iter());
         assert!((again[0][1] - lines[0][1]).length() < 1e-6);

@@ -8,23 +8,24 @@ use flipmap_scene::Scene;
 /// The start of a pinned pixel and of the one beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinStart {
-    /// Place on the lattice of the plane that is shown; none on another plane.
+    /// Place on the lattice of the plane that is shown; none once another plane is shown.
     pub place: Option<[Exact; 2]>,
-    /// θ1 and θ2 of the pixel in rad, to all digits of a pixel at rest.
+    /// θ1 and θ2 of the pixel in rad; exact for a pixel at rest.
     pub angle: [Exact; 2],
     /// Starts of the pixel and of its neighbour.
     pub launches: [Launch; 2],
 }
 
 impl PinStart {
-    /// The start of a pixel of the map from rest and of the one beside it, θ1 and θ2 in rad.
+    /// Returns the starts from rest of a pixel and of the one beside it, from their θ1 and θ2 in
+    /// rad.
     pub fn at_rest(angles: [[Exact; 2]; 2]) -> Self {
         let launches = angles.map(|angle| Launch::at_rest(angle.map(Exact::to_dd)));
         PinStart { place: Some(angles[0]), angle: angles[0], launches }
     }
 
-    /// The start of a pixel of a scene's plane at a place of its lattice, with the neighbour's
-    /// place; none where a section has no pendulum.
+    /// Returns the starts of a pixel of a scene's plane and of its neighbour, from their places on
+    /// the lattice; none where a section has no pendulum.
     pub(crate) fn on_plane(scene: &Scene, reach: Reach, places: [[Exact; 2]; 2]) -> Option<Self> {
         if scene.plane.is_at_rest() {
             return Some(PinStart::at_rest(places));

@@ -1,4 +1,4 @@
-//! The pixels that the user has pinned: each has its flight, and all fly by one clock.
+//! The pixels that the user has pinned: each has its own flight, and all share one clock.
 
 use egui::Color32;
 
@@ -125,7 +125,7 @@ impl Pins {
         }
     }
 
-    /// Returns the pendulum as it is built.
+    /// Returns the specification of the pendulum.
     pub(crate) fn build(&self) -> &PendulumSpec {
         &self.build
     }
@@ -150,7 +150,7 @@ impl Pins {
         self.list.iter().find(|pin| pin.id == id)
     }
 
-    /// Returns the clock by which all pendulums fly.
+    /// Returns the clock that all flights share.
     pub fn clock(&self) -> &Playback {
         &self.clock
     }
@@ -199,8 +199,9 @@ impl Pins {
         self.show();
     }
 
-    /// Returns the end of what is known of all flights, in s, and true if it is their end; none
-    /// without a pin. A flight under way is waited for; of complete ones the longest counts.
+    /// Returns the time in s up to which the clock may advance, and true if all flights have ended;
+    /// none without a pin. That is the known end of the shortest flight under way or, without one,
+    /// of the longest flight.
     fn known(&self) -> Option<(f64, bool)> {
         let ends = |complete: bool| {
             let records = self.list.iter().map(|pin| pin.flight.record());

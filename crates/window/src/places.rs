@@ -131,8 +131,7 @@ impl Places {
         self.folder.as_ref().map(|folder| folder.join(format!("{name}.png")))
     }
 
-    /// Returns the name without white space around it, if a new bookmark, or the one called `old`
-    /// so far, can have it.
+    /// Returns the trimmed name, if a new bookmark or the one called `old` can have it.
     fn usable(&self, name: &str, old: Option<&str>) -> Result<String, PlaceError> {
         let name = name.trim();
         let fits = |c: char| c.is_alphanumeric() || " -_,.+()".contains(c);
@@ -160,7 +159,8 @@ fn failed<E: Into<PngError>>(name: &str, what: &'static str) -> impl Fn(E) -> Pl
     move |error| PlaceError::File { name: name.to_string(), what, source: error.into() }
 }
 
-/// Returns the bookmark's name of a PNG file; none if hidden, for then it is still being written.
+/// Returns the name of the bookmark in a PNG file; none for a hidden file, which is still being
+/// written.
 fn name_of(path: &Path) -> Option<String> {
     let name = path.file_stem()?.to_str()?;
     (path.extension()? == "png" && !name.starts_with('.')).then(|| name.to_string())

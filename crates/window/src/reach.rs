@@ -8,7 +8,8 @@ use flipmap_scene::Scene;
 pub struct Reach {
     /// Number of doublings from the lattice to the units of the plane's axes.
     pub doublings: u32,
-    /// True if the square repeats beyond its sides, as the torus does; else nothing lies there.
+    /// True if the square repeats beyond its sides, as the torus does; else nothing lies beyond
+    /// them.
     pub repeats: bool,
 }
 
@@ -16,28 +17,28 @@ impl Reach {
     /// The torus of both angles, in rad.
     pub const TORUS: Reach = Reach { doublings: 0, repeats: true };
 
-    /// The reach of a scene's plane.
+    /// Returns the reach of a scene's plane.
     pub(crate) fn of(scene: &Scene) -> Self {
         let doublings = scene.plane.lattice_doublings(&scene.build);
         Reach { doublings, repeats: scene.plane.is_torus() }
     }
 
-    /// Number of units of the axes in a lattice radian.
+    /// Returns the number of units of the axes in a lattice radian.
     pub(crate) fn units(self) -> f64 {
         2f64.powi(self.doublings as i32)
     }
 
-    /// The place of coordinates on the lattice, in lattice radians.
+    /// Returns the place of coordinates on the lattice, in lattice radians.
     pub(crate) fn place(self, coordinates: [Exact; 2]) -> [Exact; 2] {
         self.inside(coordinates.map(|x| x.halved(self.doublings)))
     }
 
-    /// The coordinates of a place, in the units of the axes.
+    /// Returns the coordinates of a place, in the units of the axes.
     pub(crate) fn coordinates(self, place: [Exact; 2]) -> [Exact; 2] {
         place.map(|x| x.doubled(self.doublings))
     }
 
-    /// A place within the square: round the torus, or at the nearest side.
+    /// Moves a place into the square: wraps it on the torus, else moves it to the nearest side.
     pub(crate) fn inside(self, place: [Exact; 2]) -> [Exact; 2] {
         let pi = Exact::pi();
         let bounded = |x: Exact| match x {
@@ -48,7 +49,7 @@ impl Reach {
         if self.repeats { place.map(Exact::wrapped) } else { place.map(bounded) }
     }
 
-    /// The difference of two places, the short way round a torus, in lattice radians.
+    /// Returns the difference of two places, the short way round a torus, in lattice radians.
     pub(crate) fn difference(self, to: [Exact; 2], from: [Exact; 2]) -> [f64; 2] {
         [0, 1].map(|i| {
             let by = to[i] - from[i];

@@ -1,4 +1,4 @@
-//! A canvas of another size: the home view fits into it again.
+//! Fits the home view into a canvas of a new size.
 
 use glam::DVec2;
 
@@ -6,8 +6,8 @@ use super::camera::Camera;
 use super::state::AppState;
 
 impl AppState {
-    /// Sets the size of the canvas in points; the home view, wherever it is shown, on the way or in
-    /// the history, becomes that of the new size.
+    /// Sets the size of the canvas in points. Replaces the home view by that of the new size if it
+    /// is shown, the target of a move, or in the history.
     pub(crate) fn resize(&mut self, canvas: DVec2, pixels_per_point: f64) {
         self.pixels_per_point = pixels_per_point;
         if self.canvas == canvas {

@@ -1,4 +1,4 @@
-//! The settings, among them how the window was left, kept between runs in `settings.toml`.
+//! The settings, including the scene and layers last shown, kept between runs in `settings.toml`.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -19,7 +19,7 @@ pub struct Appearance {
     pub theme: Theme,
     /// Scale of the interface.
     pub ui_scale: f32,
-    /// Samples of pixels at edges while the view rests.
+    /// Number of samples per pixel at edges while the view rests.
     pub edges: EdgeSamples,
 }
 
@@ -30,8 +30,7 @@ impl Default for Appearance {
     }
 }
 
-/// The least number of samples in a pixel of the window where its surroundings have edges, once the
-/// view is known and rests.
+/// The least number of samples per pixel at edges of the map, once the view is complete and rests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EdgeSamples {
     /// One sample everywhere.
@@ -54,7 +53,7 @@ impl EdgeSamples {
         (EdgeSamples::Sixteen, "16 samples"),
     ];
 
-    /// Number of finer levels that have so many samples.
+    /// Returns the number of finer levels that provide these samples.
     pub(crate) fn refinements(self) -> u32 {
         self as u32
     }
@@ -71,7 +70,7 @@ pub struct Settings {
     pub ui_scale: f32,
     /// True if the view moves smoothly.
     pub animate: bool,
-    /// Samples of pixels at edges while the view rests.
+    /// Number of samples per pixel at edges while the view rests.
     pub edges: EdgeSamples,
     /// True if the window opens where it was left.
     pub restore: bool,
@@ -176,8 +175,8 @@ impl Settings {
     }
 }
 
-/// Stores the last scene as the text of its file, so that a scene this program cannot read costs
-/// only itself.
+/// Stores the last scene as the text of its file, so that a scene this program cannot read does not
+/// invalidate the other settings.
 mod as_text {
     use super::Document;
     use serde::{Deserialize, Deserializer, Serializer};
@@ -283,7 +282,7 @@ impl Store {
     }
 }
 
-/// Logs the keys that are unknown: those of a newer program, or misspelt ones.
+/// Logs unknown keys, which come from a newer program or are misspelt.
 fn warn_of_unknown(text: &str) {
     for key in unknown_keys(text) {
         log::warn!("settings.toml: unknown key '{key}' is ignored");

@@ -21,7 +21,7 @@ use flipmap_lab::Figure;
 use flipmap_numbers::Scalar;
 use flipmap_pendulum::State;
 
-/// The panels, by their headings.
+/// Headings of the panels.
 pub(super) const PANELS: [&str; 11] = [
     "Pendulum of a pixel",
     "View",
@@ -36,7 +36,7 @@ pub(super) const PANELS: [&str; 11] = [
     "Window",
 ];
 
-/// Panels below one another, one of which may be asked for by its heading.
+/// Panels one below the other; the one with the wanted heading is opened.
 struct Sections<'a> {
     ui: &'a mut Ui,
     wanted: Option<&'static str>,
@@ -116,13 +116,13 @@ impl AppModel {
         actions
     }
 
-    /// Shows the panel of films.
+    /// Shows the film panel.
     fn film_section(&mut self, ui: &mut Ui) -> Vec<Action> {
         let done = film_panel(ui, &self.films.draft, &self.export_statuses());
         done.into_iter().filter_map(|action| self.film(action)).collect()
     }
 
-    /// Shows the panel of colours.
+    /// Shows the colours panel.
     fn colour_section(&mut self, ui: &mut Ui) -> Option<Action> {
         let state = &self.state;
         let any = self.compute.explorer.progress().done > 0;

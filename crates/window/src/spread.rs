@@ -7,13 +7,14 @@ use flipmap_render::tiles::Stride;
 use flipmap_scene::PictureTable;
 use flipmap_scene::palette::equalised;
 
-/// Number of levels coarser than the finest whose times suffice for a deep view's colours.
+/// Number of levels coarser than the finest whose times are good enough for a deep view's colours.
 const COARSER: u32 = 3;
 
 impl AppModel {
-    /// Spreads the palette over the flip times of a deep view, once the view has some samples everywhere
-    /// and again once it is complete: the times lie so close together that it would look flat. Colours
-    /// that the user chose are left alone. Returns true if the colours have changed.
+    /// Spreads the palette over the flip times of a deep view, once the view has some samples
+    /// everywhere and again once it is complete: otherwise it would look flat, because its times
+    /// lie close together. Colours that the user chose are left alone. Returns true if the colours
+    /// have changed.
     pub(super) fn spread_colours(&mut self) -> bool {
         let camera = self.state.target();
         if camera.width_rad >= PictureTable::SPREAD_BELOW_RAD {
@@ -33,7 +34,7 @@ impl AppModel {
             let moved = then.offset_of(camera.center).length() < 0.25 * camera.width_rad;
             moved && (then.width_rad / camera.width_rad).ln().abs() < 0.3
         };
-        // True if the last spread was of the complete view.
+        // True if the last spread used the complete view.
         let spread = self.spread_for.filter(|(then, _)| near(then)).map(|(_, fine)| fine);
         if spread == Some(true) {
             return false;

@@ -59,7 +59,7 @@ pub struct OpenDialogs {
     pub stage: bool,
     /// True if the laboratory is shown.
     pub lab: bool,
-    /// Clock by which the map is shown, if any: later flips are not drawn.
+    /// Clock of the map, if any; flips after its time are not drawn.
     pub timeline: Option<Playback>,
     /// Animation of the palette.
     pub cycle: ColourCycle,
@@ -80,7 +80,7 @@ pub enum Effect {
     Open(PathBuf),
     /// Opens an engine for the setting.
     Reopen,
-    /// Launches a flight for the pixel at a place of the lattice, and for its neighbour's.
+    /// Launches a flight for the pixel and its neighbour at these places of the lattice.
     Pin(Box<[[Exact; 2]; 2]>),
     /// Starts or stops an automatic descent.
     GoDeeper,
@@ -238,7 +238,8 @@ impl AppState {
         ViewTarget { physics, budget_secs, region, level, pointer, refinements }
     }
 
-    /// Advances to a moment of the window's clock. Returns true if anything is in motion.
+    /// Advances to a moment of the window's clock. Returns true if the view, the flips or the
+    /// colours are in motion.
     pub fn tick(&mut self, now_secs: f64) -> bool {
         let elapsed_secs = (now_secs - self.now_secs).max(0.0);
         self.now_secs = now_secs;
@@ -262,7 +263,7 @@ impl AppState {
         }
         let plays = self.shown.timeline.is_some_and(|clock| clock.is_playing());
         self.shown.cycle.advance(&mut self.picture, elapsed_secs);
-        // Flying pendulums are drawn less often than what moves the map.
+        // Flying pendulums do not count, because they are drawn less often.
         self.moving.is_some() || plays || self.shown.cycle.runs
     }
 
@@ -340,7 +341,8 @@ impl AppState {
         self.picture = picture;
     }
 
-    /// Shows the map by a clock, or whole again. Answers other than times have no moments.
+    /// Shows the map up to the time of a clock, or whole again. Refuses a clock if answers are not
+    /// times.
     fn show_by(&mut self, clock: Option<Playback>) {
         if clock.is_some() && !self.question.ask.is_time() {
             self.notices.tell("Only flip times can be played; this question asks for no time.");
@@ -349,7 +351,7 @@ impl AppState {
         self.shown.timeline = clock;
     }
 
-    /// Last moment of the flips that are drawn, s.
+    /// Returns the time in s after which flips are not drawn.
     pub fn shown_until_secs(&self) -> f64 {
         let budget_secs = self.question.budget.secs;
         self.shown.timeline.map_or(budget_secs, |clock| clock.time_secs().min(budget_secs))
@@ -548,7 +550,7 @@ pub(super) mod tests {
         ask(&mut state, |scene| scene.plane.kind = "speeds".parse().unwrap());
         assert_eq!(state.camera, Camera::whole(state.camera.reach));
         assert!(!state.camera.reach.repeats && !state.history.has_back());
-        // A faster pendulum has a larger lattice; the view shows the same ones.
+        // A faster pendulum has a larger lattice, but the view shows the same starts.
         look(&mut state, Look::Zoom { factor: 4.0, about: DVec2::ZERO });
         let (width, reach) = (state.camera.width(), state.camera.reach);
         ask(&mut state, |scene| scene.build.gravity = 981.0.into());

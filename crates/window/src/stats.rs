@@ -1,6 +1,6 @@
-//! The measurements of a window by itself: how soon the map is there, how often it is drawn, how
-//! fast it responds, and what it shows. `flipmap explore --stats FILE` writes them whenever the
-//! view is complete and still and when the window closes; the debug panel shows them.
+//! The window's measurements of itself: how soon the map is there, how often it is drawn, how fast
+//! it responds, and what it shows. `flipmap explore --stats FILE` writes them whenever the view is
+//! complete and still and when the window closes; the debug panel shows them.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -28,7 +28,7 @@ pub(crate) struct Stats {
     latencies: Vec<f32>,
 }
 
-/// Frames of one kind, counted from one to the next.
+/// Number and total time of consecutive frames of one kind.
 #[derive(Debug, Default)]
 struct Stretch {
     since: Option<Instant>,
@@ -81,11 +81,11 @@ pub(crate) struct Holdings {
     pub tiles_done: usize,
     /// True if nothing is left to compute, except finer samples at edges.
     pub idle: bool,
-    /// True if these are being computed.
+    /// True if finer samples at edges are being computed.
     pub refines: bool,
     /// Starts of the pinned pixels in rad.
     pub pins: Vec<[f64; 2]>,
-    /// Number of pins whose pendulum was followed to its end.
+    /// Number of pins whose flight has ended.
     pub flown: usize,
     /// Notices that are shown.
     pub notices: Vec<String>,
@@ -185,7 +185,7 @@ impl Stats {
         self.panning.frame(now, dragging && !progress.idle);
     }
 
-    /// Records whether that frame showed a figure of the laboratory.
+    /// Records whether the frame showed a figure of the laboratory.
     pub(crate) fn figure(&mut self, shown: bool) {
         self.figure.frame(Instant::now(), shown);
     }

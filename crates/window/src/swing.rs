@@ -9,9 +9,9 @@ use flipmap_scene::Scene;
 
 /// Time that the pointer rests before the pendulum is let go, s.
 const REST_SECS: f64 = 0.6;
-/// Time that it swings, s; later, nothing is drawn again.
+/// Time that it swings, in s; after that, nothing is redrawn.
 const SWING_SECS: f64 = 12.0;
-/// Longest step of the integration, s: as fine as the eye, not as the map.
+/// Longest integration step in s: fine enough for the eye, but not for the map.
 const STEP_SECS: f64 = 1.0 / 240.0;
 
 /// The pendulum at the pointer, if there is one.
@@ -34,7 +34,7 @@ struct Swinging {
 
 impl HoverSwing {
     /// Follows the pointer, which is at a place of a scene's lattice or off the map, at a moment of
-    /// the window's clock. Returns the angles of a pendulum that is to be drawn, in rad.
+    /// the window's clock. Returns the angles of the pendulum to draw, in rad.
     pub(crate) fn follow(
         &mut self,
         scene: &Scene,
@@ -48,7 +48,7 @@ impl HoverSwing {
         self.current.as_mut()?.advance(now_secs)
     }
 
-    /// Time after which the window is to be drawn again, s; none if nothing will have changed.
+    /// Returns the time in s after which the window must be redrawn; none if nothing will change.
     pub(crate) fn next_secs(&self, now_secs: f64) -> Option<f64> {
         let current = self.current.as_ref()?;
         let rest_secs = current.since_secs + REST_SECS - now_secs;

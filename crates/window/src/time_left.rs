@@ -21,7 +21,7 @@ struct Began {
     at: Instant,
 }
 
-/// Time that a view must have been computed before anything is said of its end.
+/// Time for which a view must be computed before its end is estimated.
 const LEAST: Duration = Duration::from_secs(1);
 
 impl TimeLeft {

@@ -18,8 +18,8 @@ pub(crate) fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> 
     times_at(screen, screen.level(), explorer)
 }
 
-/// Returns the finest level, up to `most` coarser than the screen's, with samples of all cells in view, and
-/// the largest stride of these.
+/// Returns the finest level with samples of all cells in view, at most `most` levels coarser than
+/// the screen's, and the largest stride of its samples.
 pub(crate) fn whole_level(
     screen: &Screen,
     most: u32,

@@ -1,4 +1,4 @@
-//! The system window: events in, frames out, and sleep in between.
+//! The system window, which handles events, draws frames and sleeps in between.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -47,7 +47,7 @@ pub enum WindowError {
 
 /// Shortest time between two frames.
 const FRAME: Duration = Duration::from_micros(16_600);
-/// Time until the next frame from which on the window is at rest.
+/// Time until the next frame above which the window counts as at rest.
 const REST: Duration = Duration::from_secs(1);
 /// Largest number of losses within [`LOSSES_WITHIN`] after which the device is opened again.
 const MAX_LOSSES: usize = 5;
@@ -70,7 +70,7 @@ struct Runner {
     redraw_at: Option<Instant>,
     last_frame: Instant,
     pace: NewsPace,
-    /// Moment since which events may have been waiting for this turn of the loop.
+    /// Earliest moment at which the events of this turn of the loop may have arrived.
     input_since: Instant,
     /// Moments of the recent losses of the device.
     losses: Vec<Instant>,
@@ -82,8 +82,8 @@ struct Runner {
 /// A function that closes a window from any thread, as the user would.
 pub(crate) type Closer = Box<dyn Fn() + Send>;
 
-/// Opens a window and runs it until it is closed. `begun` is when the program started; `hand_out`
-/// receives the function that closes the window from outside.
+/// Opens a window and runs it until it is closed. `begun` is the moment when the program started;
+/// `hand_out` receives the function that closes the window from outside.
 pub fn run(
     options: WindowOptions,
     begun: Instant,
@@ -115,7 +115,7 @@ pub fn run(
 }
 
 impl Runner {
-    /// Opens the window, its engine first: that takes longest and has a thread of its own.
+    /// Opens the window. The engine is opened first, on its own thread, because it takes longest.
     fn open(&self, event_loop: &ActiveEventLoop) -> Result<OpenWindow, WindowError> {
         let proxy = self.proxy.clone();
         let model = AppModel::new(
@@ -137,7 +137,7 @@ impl Runner {
         Ok(OpenWindow { window, host, model })
     }
 
-    /// Schedules a frame for a moment, or for when it may follow the last frame.
+    /// Schedules a frame for a moment, or for later if it would follow the last frame too soon.
     fn draw_at(&mut self, moment: Instant) {
         let moment = moment.max(self.last_frame + FRAME);
         self.redraw_at = Some(self.redraw_at.map_or(moment, |other| other.min(moment)));
@@ -166,7 +166,7 @@ impl Runner {
             model.state.notices.fail(format!("The graphics driver refused something: {complaint}"));
         }
         model.save_sometimes();
-        // The view of this frame is known only now.
+        // The frame may have changed the view, so the work comes after it.
         let has_news = model.work();
         let news = if has_news { self.pace.pause(&model.progress(), began) } else { Duration::MAX };
         let moving = moving || model.state.moving.is_some();
@@ -193,7 +193,7 @@ impl Runner {
             }
             Effect::Copy(text) => open.host.ctx.copy_text(text),
             Effect::LoseDevice => open.host.lose_device(),
-            // The model carries out the others.
+            // The model carries out the other effects.
             _ => {}
         }
         self.draw_at(Instant::now());
@@ -227,8 +227,8 @@ impl Runner {
         event_loop.exit();
     }
 
-    /// Handles news from a thread: jobs are passed on at once, pictures drawn a little later unless they
-    /// are the first of the whole view, or the last.
+    /// Handles news from a thread: passes on jobs at once, but draws a little later unless the
+    /// picture is the first of the whole view or the last.
     fn news(&mut self) {
         let Some(open) = &mut self.open else { return };
         open.model.work();
@@ -347,7 +347,8 @@ impl ApplicationHandler<Woken> for Runner {
                 event_loop.set_control_flow(ControlFlow::Wait);
             }
             (Some(moment), open) => {
-                // A notice that will go is no work, and finer samples come for as long as they take.
+                // The window is at rest even if a notice will disappear later or finer samples are
+                // being computed.
                 let refines =
                     || open.as_ref().is_some_and(|open| open.model.compute.explorer.refines());
                 if moment > now + REST || refines() {

@@ -1,6 +1,6 @@
-//! A picture's colours in the form that the card takes: a table over the times, and the linear light
-//! of outcomes without one. They change with the palette, never with a sample. The answers to other
-//! questions are painted here instead.
+//! A picture's colours in the form that the card takes: a table over the times, and the linear
+//! light of outcomes without a time. They depend on the palette but not on the samples. Answers
+//! that are not times are painted by the processor instead.
 
 use super::pipeline::{TABLE_ENTRIES, Uniforms};
 use super::sample::{HEIGHT_STEPS, LOG_BIAS, LOG_STEPS, WordKind};
@@ -18,17 +18,18 @@ pub struct CardColours {
     pub words: WordKind,
 }
 
-/// Most of the palette between two entries of the table: an eighth of the way from one of its colours
-/// to the next, which are at most a few steps of 255 apart.
+/// Largest share of the palette between two entries of the table: an eighth of the step between two
+/// of its 256 colours, which differ by at most a few parts in 255.
 const MAX_ENTRY_GAP: f64 = 1.0 / 2048.0;
-/// Least octaves of a table, whose entries are as many steps of the card's logarithms.
+/// Least number of octaves of a table, whose entries are then 2⁻¹⁷ octaves apart, close to the
+/// resolution of logarithms in f32 on the card.
 const MIN_OCTAVES: f64 = TABLE_ENTRIES as f64 / (1 << 17) as f64;
 
-/// The colours of a table, and where the values of words lie in it.
+/// The colours of a table, and the mapping from words to its entries.
 struct Table {
     words: WordKind,
     colours: Vec<Rgb>,
-    /// The value of a word's number 0, and of a step of it.
+    /// The value of a word whose number is 0, and the value of one step of the number.
     value: [f64; 2],
     /// The value of the first entry, and entries per unit.
     entries: [f64; 2],
@@ -47,7 +48,7 @@ pub fn colours(
     gliding_colours(picture, picture, scene, until_secs, trust)
 }
 
-/// Returns the same while the colours glide: those of `shown`, whose times are on their way to the
+/// Returns the colours while they glide: those of `shown`, whose times are moving towards the
 /// picture's.
 pub(crate) fn gliding_colours(
     picture: &PictureTable,
@@ -90,14 +91,15 @@ pub(crate) fn gliding_colours(
         unflipped: linear(ground.unflipped),
         forbidden: linear(ground.forbidden),
         failed: linear(FAILED),
-        // How many pixels lie side by side is known where they are drawn.
+        // `MapRenderer::frame` fills in the width in pixels.
         toward: [toward[0], toward[1], toward[2], 0.0],
     };
     let bytes = table.colours.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
     Ok(CardColours { uniforms, table: bytes, words: table.words })
 }
 
-/// The table over the logarithm of time, whose words serve every scale for which it is fine enough.
+/// Returns the table over the logarithm of time, whose words are the same for every scale; none if
+/// it is too coarse for the colours.
 fn table_of_times(tones: &Tones, until_secs: f64) -> Option<Table> {
     let Lookup { first_secs, last_secs, colours, most_apart } = tones.lookup(TABLE_ENTRIES);
     let octaves = (last_secs / first_secs).log2();
@@ -111,7 +113,7 @@ fn table_of_times(tones: &Tones, until_secs: f64) -> Option<Table> {
     })
 }
 
-/// The table over the heights of times.
+/// Returns the table over the heights of times on the scale of `tones`.
 fn table_of_heights(channel: usize, tones: &Tones, shown: &Tones, until_secs: f64) -> Table {
     let scale = tones.scale();
     let [_, last_secs] = scale.range_secs();
@@ -120,7 +122,7 @@ fn table_of_heights(channel: usize, tones: &Tones, shown: &Tones, until_secs: f6
         colours: shown.over(scale, TABLE_ENTRIES),
         value: [0.0, 1.0 / HEIGHT_STEPS],
         entries: [0.0, (TABLE_ENTRIES - 1) as f64],
-        // All later times have the last one's height.
+        // All times after the scale's last one have its height.
         until: if until_secs < last_secs { scale.height(until_secs) } else { f64::INFINITY },
     }
 }

@@ -1,5 +1,6 @@
-//! The choice of samples to draw for every cell in view: the cell's own, or the finest known ones
-//! until those arrive; and while nothing is known of a changed pendulum, those of the previous one.
+//! The choice of samples to draw for every cell in view: the cell's own or, until they arrive, the
+//! finest known ones. Samples of the previous pendulum stand in while nothing is known of a new
+//! one.
 
 use glam::DVec2;
 
@@ -12,7 +13,7 @@ use flipmap_scene::lattice::{Cell, Placed, SIDE, side_rad};
 /// A part of a tile's samples, drawn as a parallelogram on the canvas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Patch {
-    /// The cell whose samples are drawn, or those of its mirror image.
+    /// Cell whose samples, or those of its mirror image, are drawn.
     pub source: Cell,
     /// Set that the samples belong to.
     pub set: PatchSet,
@@ -26,12 +27,12 @@ pub(crate) struct Patch {
     pub texel: DVec2,
     /// Number of samples along each side; negative for the mirror image.
     pub span: DVec2,
-    /// Share of what is beneath that the samples cover.
+    /// Opacity of the samples, from 0 to 1.
     pub alpha: f32,
 }
 
 impl Patch {
-    /// Returns the quarter of the patch in a column, and a row counted from below.
+    /// Returns the quarter of the patch in a column and in a row counted from below, each 0 or 1.
     fn quarter(&self, [column, from_below]: [f64; 2]) -> Patch {
         let (right, down, span) = (self.right / 2.0, self.down / 2.0, self.span / 2.0);
         let at = DVec2::new(column, 1.0 - from_below);
@@ -66,8 +67,8 @@ impl PatchSet {
 /// Number of finer levels that stand in for an unknown cell, as after zooming out.
 const FINER_LEVELS: u32 = 2;
 
-/// Returns the patches of every cell of a screen at its level, in drawing order; new ones appear
-/// gradually. Those of finer samples replace others where they are known, down `finer_levels` levels.
+/// Returns the patches of every cell of a screen at its level, in drawing order. New patches appear
+/// gradually. Known samples of up to `finer_levels` finer levels replace coarser ones.
 pub(crate) fn cover(
     screen: &Screen,
     explorer: &mut Explorer,
@@ -95,8 +96,8 @@ pub(crate) fn cover(
     cells
 }
 
-/// Appends a patch of a cell's own samples, or, where finer ones are known, patches of these, down
-/// `levels` levels.
+/// Appends the patch `own` of a cell, with parts of it replaced where samples of up to `levels`
+/// finer levels are known.
 fn refine(
     screen: &Screen,
     explorer: &mut Explorer,
@@ -126,7 +127,7 @@ fn refine(
     }
 }
 
-/// The quarters of a cell, where they lie.
+/// Returns the quarters of a cell, each with its offset.
 fn children(placed: &Placed) -> [Placed; 4] {
     let quarter = side_rad(placed.cell.level) / 4.0;
     placed.cell.children().map(|cell| {
@@ -197,7 +198,7 @@ fn known(explorer: &mut Explorer, cell: Cell, set: PatchSet) -> Option<KnownSour
     Some(KnownSource { cell, set, mirrored, spacing: known.stride.places() })
 }
 
-/// Returns the finest known samples of the cells around a cell.
+/// Returns the finest known samples of the cells that contain a cell.
 fn coarser(explorer: &mut Explorer, cell: Cell, set: PatchSet) -> Option<KnownSource> {
     let ancestors = std::iter::successors(cell.parent(), Cell::parent);
     let source = |(level, ancestor)| {
@@ -208,8 +209,8 @@ fn coarser(explorer: &mut Explorer, cell: Cell, set: PatchSet) -> Option<KnownSo
     (1..).zip(ancestors).filter_map(source).min_by_key(|source| source.spacing)
 }
 
-/// Appends the patches of a cell's descendants whose known samples lie closer together than `spacing`
-/// places of the cell, searched down `levels` levels.
+/// Appends the patches of a cell's descendants whose known samples lie closer together than
+/// `spacing` places of the cell, searched down `levels` levels.
 fn finer(
     screen: &Screen,
     explorer: &mut Explorer,

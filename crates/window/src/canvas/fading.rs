@@ -4,23 +4,23 @@ use std::collections::{HashMap, HashSet};
 
 use flipmap_scene::lattice::Cell;
 
-/// Time in which a tile appears, s.
+/// Time that a tile takes to appear, in s.
 const FADE_SECS: f64 = 0.15;
 
-/// The tiles of the last frame, and since when each is drawn.
+/// The tiles of the last frame, and the times at which they began to appear.
 #[derive(Debug, Default)]
 pub struct Fading {
-    /// Time of the frame that is being made on the window's clock, s; none if nothing fades.
+    /// Time of the current frame on the window's clock, in s; none if nothing fades.
     now_secs: Option<f64>,
     last: DrawnCells,
     drawn: DrawnCells,
     running: bool,
 }
 
-/// The cells of a frame.
+/// The cells drawn in a frame.
 #[derive(Debug, Default)]
 struct DrawnCells {
-    /// Cells with samples of their own, and when these began to appear.
+    /// Times in s at which cells drawn with their own samples began to appear.
     own: HashMap<Cell, f64>,
     /// Cells for which coarser samples stood in.
     stood_in: HashSet<Cell>,
@@ -44,8 +44,8 @@ impl Fading {
         self.drawn.stood_in.insert(cell);
     }
 
-    /// Returns how much a cell's own samples cover of those that stood in for them, from 0 to 1. Those
-    /// that come into view from the side are there at once.
+    /// Returns the opacity of a cell's own samples over those that stood in for them, from 0 to 1.
+    /// Cells that come into view from the side appear at once.
     pub(super) fn cover(&mut self, cell: Cell) -> f32 {
         let Some(now_secs) = self.now_secs else { return 1.0 };
         let begins = if self.last.stood_in.contains(&cell) { now_secs } else { f64::NEG_INFINITY };

@@ -1,24 +1,25 @@
-//! The way of the colours from one range of times to another.
+//! The gradual change of the colours from one range of times to another.
 
 use flipmap_scene::palette::TimeScale;
 use flipmap_scene::{PictureTable, Scale};
 
-/// Time that the colours take, s.
+/// Duration of the change in s.
 const GLIDE_SECS: f64 = 0.3;
 /// Number of equal steps of the palette whose times glide.
 const STEPS: usize = 64;
 
-/// The range of times that is shown, on its way to another one.
+/// The range of times that is shown, while it changes to another.
 #[derive(Debug, Default)]
 pub struct Glide {
     to: Option<TimeScale>,
-    /// Times at equal steps when the way began, and that moment on the window's clock, s.
+    /// Times in s at equal steps of the palette when the change began, and the beginning on the
+    /// window's clock, in s.
     from: Option<(Vec<f64>, f64)>,
 }
 
 impl Glide {
-    /// Returns the picture that is shown at a moment of the window's clock, while its colours are on
-    /// their way to `scale`, their own; none once they are there, or if nothing moves.
+    /// Returns the picture to show at a moment of the window's clock while its colours change to
+    /// `scale`, the picture's own; none if the change is over or if `moves` is false.
     pub(crate) fn shown(
         &mut self,
         picture: &PictureTable,
@@ -40,12 +41,13 @@ impl Glide {
         Some(PictureTable { times, ..picture.clone() })
     }
 
-    /// Returns true while the colours are on their way.
+    /// Returns true while the colours change.
     pub(crate) fn is_under_way(&self) -> bool {
         self.from.is_some()
     }
 
-    /// The times at equal steps of the palette, on the way to those of `to`.
+    /// Returns the times in s at equal steps of the palette, which change gradually to those of
+    /// `to`.
     fn times(&self, to: &TimeScale, now_secs: f64) -> Vec<f64> {
         let own = (0..=STEPS).map(|k| to.secs_at(k as f64 / STEPS as f64));
         let Some((from, began_secs)) = &self.from else { return own.collect() };

@@ -1,9 +1,10 @@
 //! The picture of the map, kept on the card from frame to frame.
 //!
-//! Most frames of the window change nothing of the map: a pendulum swings, a menu opens, a tile
-//! arrives. So a map that stays where it is is drawn into a texture of its own, each time only the cells
-//! that have changed, and a frame of the window copies it. One that moves or changes its colours is drawn
-//! into the window: all of it changes, and a copy would come on top.
+//! Most frames of the window change little or nothing of the map: a pendulum swings, a menu opens,
+//! a tile arrives. A map that stays in place is therefore drawn into a texture of its own, in which
+//! only changed cells are drawn again, and each frame of the window copies the texture. A map that
+//! moves or changes its colours is drawn straight into the window: all of it changes, and a copy
+//! would only add work.
 
 use std::collections::HashSet;
 
@@ -28,7 +29,7 @@ struct KeptTarget {
 /// The content of a picture.
 #[derive(Clone, Default)]
 struct Content {
-    /// Screen, colours and way of drawing of the last frame, in the picture or not.
+    /// Screen, colours and mixing of the last frame, even if it is not in the picture.
     last: Option<(Screen, Uniforms, bool)>,
     /// Quads in the picture; none if it does not show the last frame.
     cells: Option<Vec<CellQuads>>,
@@ -39,7 +40,7 @@ struct Content {
 pub(crate) enum DrawingSurface {
     /// The window.
     Window,
-    /// The picture, of which nothing stays.
+    /// The picture, cleared first.
     Cleared,
     /// The picture as it is.
     Kept,
@@ -55,7 +56,7 @@ pub(crate) struct Changes {
 }
 
 impl Content {
-    /// Takes a frame as what is shown from now on, and returns what has to be drawn.
+    /// Makes a frame the current one, and returns what has to be drawn.
     fn take(&mut self, frame: &MapFrame) -> Changes {
         let shown = Some((frame.screen, frame.uniforms, frame.mixes));
         let stays = self.last == shown && frame.table.is_none();
@@ -79,7 +80,7 @@ impl KeptPicture {
         KeptPicture { pipeline, format, target: None, content }
     }
 
-    /// Takes a frame as what is shown from now on, and returns what has to be drawn.
+    /// Makes a frame the current one, and returns what has to be drawn.
     pub(crate) fn take(&mut self, device: &wgpu::Device, frame: &MapFrame) -> Changes {
         let most = device.limits().max_texture_dimension_2d;
         let size_px = frame.size_px.map(|side| side.clamp(1, most));
@@ -148,10 +149,11 @@ fn all(frame: &MapFrame) -> Vec<Quad> {
     frame.cells.iter().flat_map(|cell| cell.quads.iter().copied()).collect()
 }
 
-/// Returns what a frame changes of a picture of the same screen and colours; without one before, all.
+/// Returns what a frame changes in a picture of the same screen and colours, or all of the frame if
+/// there is none.
 fn changes(before: Option<&[CellQuads]>, frame: &MapFrame) -> Changes {
     let uploaded: HashSet<u32> = frame.uploads.iter().map(|upload| upload.slot).collect();
-    // What is drawn over a part of a cell leaves the rest of it as it was before.
+    // Drawing over a part of a cell leaves the old content in the rest of it.
     let uncovers =
         |(old, new): (&CellQuads, &CellQuads)| old != new && !new.whole && !old.quads.is_empty();
     let goes_on = |before: &&[CellQuads]| {

@@ -4,8 +4,8 @@
 //! on the card, and [`pipeline`] uploads and draws them. The card keeps flip times, not colours: a
 //! change of colours uploads another table and computes nothing. The answers to other questions are
 //! painted on the way to the card, and again when their colours change. New tiles appear gradually
-//! ([`fading`]), and so do other ranges of times ([`glide`]). The picture is kept, and a frame draws
-//! only the cells that have changed ([`kept`]).
+//! ([`fading`]), and the range of times changes gradually ([`glide`]). The picture is kept, and a
+//! frame draws only the cells that have changed ([`kept`]).
 
 pub mod atlas;
 pub mod colours;
@@ -43,7 +43,7 @@ pub struct MapRenderer {
     last: LastFrame,
     /// Appearance of new tiles.
     pub fading: Fading,
-    /// Way of the colours to other times.
+    /// Gradual change of the colours to other times.
     pub glide: Glide,
     /// True if the card draws so quickly that tiles can appear gradually.
     pub is_quick: bool,
@@ -51,7 +51,7 @@ pub struct MapRenderer {
     pub finer_levels: u32,
 }
 
-/// Data of the last frame for the card. They are part of the next one, too, if the frame was thrown
+/// Data of the last frame for the card. The next frame carries them again if the last was thrown
 /// away: egui may run a pass twice and draw only the second.
 #[derive(Debug, Default)]
 struct LastFrame {
@@ -86,7 +86,7 @@ impl MapRenderer {
     ) -> MapFrame {
         uniforms.toward[3] = (screen.size.x * screen.pixels_per_point) as f32;
         if *self.words != words {
-            // What is on the card has other words.
+            // The samples on the card are packed into other words.
             self.atlas = Atlas::new(LAYERS);
             self.words = Arc::new(words);
             self.last.uploads.clear();
@@ -117,7 +117,8 @@ impl MapRenderer {
         MapFrame { screen, mixes, cells, uploads, words, uniforms, table, size_px, is_loaded }
     }
 
-    /// Returns the patches of every cell; those of finer samples only if the atlas has room for them.
+    /// Returns the patches of every cell; those of finer samples only if the atlas has room for
+    /// them.
     fn covered(&mut self, screen: &Screen, explorer: &mut Explorer) -> Vec<CoveredCell> {
         let covered = cover(screen, explorer, &mut self.fading, self.finer_levels);
         let count: usize = covered.iter().map(|cell| cell.patches.len()).sum();
@@ -127,8 +128,8 @@ impl MapRenderer {
         cover(screen, explorer, &mut self.fading, 0)
     }
 
-    /// Returns the quad of a patch, whose samples are added to the uploads if they are not on the card;
-    /// none if the frame uses all slots.
+    /// Returns the quad of a patch, whose samples are added to the uploads if they are not on the
+    /// card; none if the frame uses all slots.
     fn quad(
         &mut self,
         screen: &Screen,

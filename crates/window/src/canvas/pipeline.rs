@@ -1,5 +1,5 @@
-//! The graphics card's part of the map: an atlas of samples, a colour table, and quads drawn into the
-//! kept picture.
+//! The graphics card's part of the map: an atlas of samples, a colour table, and quads drawn into
+//! the kept picture.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,8 +17,8 @@ use flipmap_render::tiles::Samples;
 use flipmap_scene::lattice::SIDE;
 use flipmap_scene::palette::Relief;
 
-/// The shader, with the status codes printed from [`flipmap_pendulum::Status`] and the numbers of the
-/// light from the side.
+/// Returns the source of the shader, with the status codes of [`flipmap_pendulum::Status`] and the
+/// constants of the relief.
 pub fn shader() -> String {
     let relief = format!(
         "const STEEPNESS: f32 = {:?};\nconst EDGE: f32 = {:?};\n",
@@ -46,7 +46,7 @@ pub struct Quad {
     pub side: f32,
     /// Index of the slot that holds the samples.
     pub slot: u32,
-    /// Share of what is beneath that the samples cover.
+    /// Opacity of the samples, from 0 to 1.
     pub alpha: f32,
 }
 
@@ -54,9 +54,9 @@ pub struct Quad {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Uniforms {
-    /// Value of a word's number 0.
+    /// Value of a word whose number is 0.
     pub value_bias: f32,
-    /// Value of a step of a word's number.
+    /// Value of one step of a word's number.
     pub value_step: f32,
     /// Value of the first entry of the colour table.
     pub first_value: f32,
@@ -76,12 +76,12 @@ pub struct Uniforms {
     pub forbidden: [f32; 4],
     /// Linear light of failed starts.
     pub failed: [f32; 4],
-    /// Direction to the light from the side (to the right, up, out of the map), and the number of
-    /// pixels from the left of the map to the right.
+    /// Direction to the light from the side (right, up, out of the map), and the width of the map
+    /// in pixels.
     pub toward: [f32; 4],
 }
 
-/// Number of entries of the colour table: so many that the nearest one is as good as a mixture.
+/// Number of entries of the colour table, enough to take the nearest one instead of a mixture.
 pub const TABLE_ENTRIES: usize = 8192;
 
 /// The quads that show a cell.
@@ -108,7 +108,7 @@ pub struct Upload {
 pub struct MapFrame {
     /// The screen that is shown.
     pub screen: Screen,
-    /// True if the light of all samples in a pixel is mixed, where they are many.
+    /// True if the light of all samples in a pixel is mixed where there are many.
     pub mixes: bool,
     /// The quads of every cell in view.
     pub cells: Vec<CellQuads>,
@@ -130,7 +130,7 @@ pub struct MapFrame {
 pub struct Canvas {
     /// Draws the samples of the view's own level.
     plain: Brush,
-    /// Draws finer samples, too, at a price that a moving map does not pay.
+    /// Draws finer samples, too, at a higher cost per pixel.
     mixing: Brush,
     uniforms: wgpu::Buffer,
     atlas: wgpu::Texture,
@@ -150,7 +150,8 @@ struct Brush {
     bindings: wgpu::BindGroup,
 }
 
-/// Largest number of places along a pixel whose light is mixed: as many as samples of the finest level.
+/// Largest number of places along a pixel whose light is mixed, enough for the samples of the
+/// finest level.
 const MAX_TAPS: u32 = 7;
 
 impl Canvas {
@@ -227,8 +228,9 @@ impl Canvas {
         queue.write_texture(target, bytemuck::cast_slice(words), layout, size);
     }
 
-    /// Draws what the loaded frame changes into the kept picture, at once: the commands of the window's
-    /// frame are thrown away if there is no surface to show it on, as of a window that is covered.
+    /// Draws the changes of the loaded frame into the kept picture and submits them at once: the
+    /// commands of the window's frame are lost if there is no surface to show it on, as when the
+    /// window is covered.
     pub fn draw(&self, device: &wgpu::Device, queue: &wgpu::Queue) {
         let clears = self.on == DrawingSurface::Cleared;
         if self.on == DrawingSurface::Window || (self.count == 0 && !clears) {

@@ -12,27 +12,27 @@ pub(crate) const LOG_STEPS: f64 = (1 << 21) as f64;
 /// Number of steps of the stored heights.
 pub(crate) const HEIGHT_STEPS: f64 = ((1 << 27) - 1) as f64;
 
-/// Content of the words of samples beside status and trust.
+/// Content of the words of samples, apart from status and trust.
 #[derive(Clone, Debug, PartialEq)]
 pub enum WordKind {
     /// The logarithm of the time, which the card turns into a colour.
     Times,
-    /// The height of a channel of times on the scale of its colours: for colours finer than a table
-    /// over all logarithms has, and for light from the side.
+    /// The height of a channel of times on the scale of its colours, for colours too fine for a
+    /// table over all logarithms and for light from the side.
     Heights(usize, TimeScale),
-    /// The colour, of answers that are no times.
+    /// The colour, for answers that are not times.
     Colours(Box<AnswerColours>),
 }
 
 impl WordKind {
-    /// The words of samples in order.
+    /// Returns the words of samples in order.
     pub(crate) fn words(&self, samples: &Samples) -> Vec<u32> {
         let word = |place: usize| match self {
             WordKind::Times => word_of(&samples.get(place), samples.trust(place)),
             WordKind::Heights(channel, scale) => {
                 let height = scale.height(samples.values(place)[*channel]);
                 let status = samples.get(place).status;
-                // What has no time has no height.
+                // A sample without a time has height 0.
                 let height = if status == Status::Answered { height * HEIGHT_STEPS } else { 0.0 };
                 packed(height, samples.trust(place), status)
             }
@@ -47,7 +47,7 @@ impl WordKind {
 }
 
 /// Packs the status into the lowest two bits, trust into the next three, and the logarithm of the
-/// time into the rest: finer than any colour, and nothing for the card to work out.
+/// time into the rest, which is finer than any colour and spares the card computing it.
 pub(crate) fn word_of(outcome: &Outcome, trust: Trust) -> u32 {
     // Outcomes without a time have a logarithm of −∞, which becomes 0.
     packed((outcome.time.log2() + LOG_BIAS) * LOG_STEPS, trust, outcome.status)

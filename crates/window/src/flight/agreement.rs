@@ -3,7 +3,7 @@
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
 
-/// Largest difference of flip times, in seconds, that still counts as the same.
+/// Largest difference of flip times, in seconds, at which they count as the same.
 pub(crate) const TOLERATED_SECS: f64 = 1e-3;
 
 /// The result of comparing two outcomes of one pixel.

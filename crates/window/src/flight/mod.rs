@@ -3,7 +3,7 @@
 //! Both are integrated by the gold standard in double-double on a thread of the flight's own, so
 //! that the flight shows exactly the pixel's outcome. The thread hands over its results as it goes
 //! and wakes the window; they are stored as polynomials ([`motion`]), so that any moment can be
-//! shown at once. [`playback`] is the clock by which a flight is watched.
+//! shown at once. [`playback`] is the clock that sets the moment to show.
 
 pub(crate) mod agreement;
 pub(crate) mod motion;
@@ -29,15 +29,16 @@ pub(crate) const MIN_SECS: f64 = 30.0;
 #[derive(Debug)]
 pub struct Flight {
     question: EventSpec,
-    /// True for the pendulum, and for its ghost, if it can never flip.
+    /// True for the pendulum and for its ghost, each if it can never flip.
     forbidden: [bool; 2],
     record: Record,
     incoming: Receiver<Record>,
 }
 
 impl Flight {
-    /// Releases a pendulum at the first start and its ghost at the second. The flight's thread calls `wake` whenever [`Flight::receive`] has something to take. The
-    /// thread ends with the flight, or soon after the flight is dropped.
+    /// Releases a pendulum at the first start and its ghost at the second. The flight's thread
+    /// calls `wake` whenever [`Flight::receive`] has something to take. The thread ends with the
+    /// flight, or soon after the flight is dropped.
     pub(crate) fn launch(
         question: EventSpec,
         starts: [Launch; 2],
@@ -87,7 +88,7 @@ impl Flight {
         &self.question
     }
 
-    /// Returns the gold standard's outcome of the pixel, bit for bit; none while that is not known.
+    /// Returns the gold standard's outcome of the pixel, bit for bit; none until it is known.
     pub fn outcome(&self) -> Option<Outcome<Dd>> {
         self.outcome_of(&self.record.own, self.forbidden[0])
     }

@@ -48,7 +48,7 @@ fn slope(coefficients: &[f64], x: f64) -> f64 {
     terms.fold(0.0, |sum, (k, c)| sum.mul_add(x, k as f64 * c))
 }
 
-/// A motion from the release up to the time to which it is known.
+/// A motion from the release to the end of the time for which it is known.
 #[derive(Clone, Debug, Default)]
 pub struct Motion {
     pieces: Vec<MotionPiece>,

@@ -41,7 +41,7 @@ pub(crate) fn fly(
 /// One pendulum in flight, recorded as it goes.
 struct Flyer {
     orbit: Orbit<Dd>,
-    /// The rule, as long as it may still be met.
+    /// The rule, while it can still be met.
     rule: Option<Rule>,
     steps: usize,
 }

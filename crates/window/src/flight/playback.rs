@@ -1,4 +1,4 @@
-//! The clock by which a flight is watched.
+//! The clock that sets the moment of a flight to show.
 
 use std::ops::RangeInclusive;
 
@@ -42,7 +42,7 @@ impl Playback {
     }
 
     /// Advances by `elapsed_secs` of real time in a flight known up to `end_secs`. Stops at the end
-    /// of a `complete` flight; waits for more at that of an incomplete one.
+    /// of a `complete` flight; waits for more at the end of an incomplete one.
     pub(crate) fn advance(&mut self, elapsed_secs: f64, end_secs: f64, complete: bool) {
         if self.playing {
             let ahead = self.time_secs + elapsed_secs * self.speed;

@@ -11,7 +11,7 @@ const UNITS: f64 = 12.0;
 /// Number of steps of the trail.
 const STEPS: usize = 384;
 
-/// The angles of the last few seconds, at multiples of a fixed step of time.
+/// The angles of the last few seconds, at multiples of a fixed time step.
 #[derive(Clone, Debug)]
 pub struct Trail {
     step_secs: f64,
@@ -79,7 +79,7 @@ mod tests {
             trail.points().collect::<Vec<_>>()
         };
         let mut kept = Trail::new(&build.pendulum());
-        // On, on beyond all that is kept, and back.
+        // Forward, forward beyond all that is kept, and back.
         for secs in [0.0, 0.01, 0.5, 0.533, 3.0, 4.5, 4.6, 11.9, 11.0, 2.0, 12.0] {
             kept.follow(&motion, secs);
             let points: Vec<_> = kept.points().collect();

@@ -19,7 +19,7 @@ pub(crate) struct Computing {
     pub engine: Option<(String, String, String)>,
     /// True if there is no engine and none is being opened.
     pub failed: bool,
-    /// Microseconds per integrated pixel of each level, lately, where it was measured.
+    /// Recent microseconds per integrated pixel of the levels that were measured.
     pub cost_us: Vec<(Accuracy, f64)>,
 }
 

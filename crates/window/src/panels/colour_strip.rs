@@ -85,7 +85,7 @@ fn ticks(ui: &mut Ui, strip: Rect, colours: &AnswerColours, unit: &str) {
 
 /// Width of a small letter in points.
 const LETTER_POINTS: f32 = 6.0;
-/// Letters of a value beside which there is no room for those of the quarters.
+/// Number of letters beyond which a value leaves no room for values at the quarters.
 const LONG: usize = 6;
 
 /// Draws a band of colours from left to right.

@@ -1,4 +1,4 @@
-//! The mapping of answers to colours, with a legend. Nothing here recomputes anything.
+//! The mapping of answers to colours, with a legend. Changing it recomputes nothing.
 
 use egui::{ComboBox, Grid, Role, Slider, Ui, WidgetInfo};
 
@@ -112,8 +112,8 @@ fn palettes(ui: &mut Ui, picture: &mut PictureTable) {
     ui.checkbox(&mut picture.reverse, "Reverse the palette");
 }
 
-/// Shows what follows when the palette has been run through. Further runs are mirrored from the start
-/// unless the palette ends as it begins.
+/// Shows the offset and the mirroring of the palette. Mirroring is turned on when the palette
+/// begins to repeat, unless the palette is cyclic.
 fn repeats(ui: &mut Ui, new: &mut PictureTable, old: &PictureTable) {
     if old.cycles == 1.0 && new.cycles > 1.0 {
         new.mirror = !Palette::is_cyclic(&new.palette);
@@ -128,7 +128,7 @@ fn repeats(ui: &mut Ui, new: &mut PictureTable, old: &PictureTable) {
     });
 }
 
-/// Shows how the palette is spread over the view, and how it runs over it.
+/// Shows the button that equalises the palette to the view, and the controls of the animation.
 fn animated(ui: &mut Ui, has_samples: bool, cycle: &ColourCycle) -> Option<ColourAction> {
     let spread = ui.add_enabled(has_samples, egui::Button::new("Equalise to this view"));
     if spread.on_hover_text("Every colour is seen equally often").clicked() {
@@ -145,7 +145,7 @@ fn animated(ui: &mut Ui, has_samples: bool, cycle: &ColourCycle) -> Option<Colou
     (new != *cycle).then_some(ColourAction::Cycle(new))
 }
 
-/// Shows the light from the side.
+/// Shows the controls of the light from the side.
 fn relief(ui: &mut Ui, picture: &mut PictureTable) {
     Grid::new("relief").num_columns(2).show(ui, |ui| {
         ui.spacing_mut().slider_width = 120.0;

@@ -1,4 +1,4 @@
-//! The descent panel: the views found by descending, and ways to open and keep them.
+//! The descent panel: the views found by descending, with links to them and a button to film them.
 
 use egui::Ui;
 

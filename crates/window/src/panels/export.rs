@@ -20,7 +20,7 @@ pub struct ExportForm {
     pub as_window: bool,
     /// Samples of each pixel.
     pub samples: Sampling,
-    /// True if several are taken only where colours change.
+    /// True if more than one sample is taken only where colours change.
     pub adaptive: bool,
     /// The content of the file.
     pub what: ExportSubject,
@@ -54,7 +54,7 @@ pub struct ExportStatus {
     pub name: String,
     /// The progress of the export.
     pub stage: ExportStage,
-    /// True if it is a film, which the panel of films shows.
+    /// True if it is a film, which the film panel shows.
     pub is_film: bool,
 }
 
@@ -97,8 +97,8 @@ impl Default for ExportForm {
 }
 
 impl ExportForm {
-    /// Follows the window: its map's size in pixels, unless another was chosen, and the samples of
-    /// what is shown.
+    /// Takes the size of the map in pixels, unless another was chosen, and the samples of the
+    /// picture that is shown.
     pub(crate) fn follow(&mut self, map_px: [u32; 2], picture: &PictureTable) {
         (self.samples, self.adaptive) = (picture.samples, picture.adaptive);
         if self.as_window {
@@ -214,7 +214,7 @@ fn file(ui: &mut Ui, form: &mut ExportForm, actions: &mut Vec<ExportAction>) {
         }
     });
     ui.end_row();
-    // A bare name does not say in which folder it lies.
+    // A bare name does not show the folder of the file.
     if let (false, Ok(whole)) = (form.path.trim().is_empty(), std::path::absolute(&form.path)) {
         ui.label("");
         ui.add(Label::new(RichText::new(whole.display().to_string()).weak().small()).wrap());

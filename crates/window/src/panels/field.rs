@@ -1,4 +1,4 @@
-//! A number field of a panel: named, with its unit, and always within its range.
+//! A number field of a panel with a name, a unit and a range.
 
 use std::ops::RangeInclusive;
 
@@ -6,9 +6,9 @@ use egui::{DragValue, Ui};
 
 use flipmap_scene::in_rad;
 
-/// Shows a named number, to be dragged or typed; returns the new one if it has changed. Dragging
-/// changes a value in proportion to its size. An angle, in rad, may be typed in degrees or in parts of
-/// π, too.
+/// Shows a named number that can be dragged or typed; returns the new one if it has changed.
+/// Dragging changes a value in proportion to its size. An angle, in rad, may be typed in degrees or
+/// in parts of π, too.
 pub(super) fn number(
     ui: &mut Ui,
     name: &str,

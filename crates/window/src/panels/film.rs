@@ -43,7 +43,7 @@ const STEP_SECS: std::ops::RangeInclusive<f64> = 0.1..=600.0;
 /// Range of a frame's sides, in pixels.
 const SIDE_PX: std::ops::RangeInclusive<f64> = 16.0..=8192.0;
 
-/// Shows a film and its making; returns the user's actions.
+/// Shows the draft of a film and the films being made; returns the user's actions.
 pub fn film_panel(ui: &mut Ui, draft: &FilmDraft, exports: &[ExportStatus]) -> Vec<FilmAction> {
     let mut actions = Vec::new();
     if ui.button("Add this view").clicked() {

@@ -1,13 +1,14 @@
-//! The colours beside those of the palette, each a button that opens a picker.
+//! The colours outside the palette, each a button that opens a picker.
 
 use egui::Ui;
 
 use flipmap_scene::palette::{Ground, GroundTable, colour_text};
 
-/// Width of a button, so that all three stand in a row.
+/// Width of a button in points, which lets all three stand in a row.
 const BUTTON_POINTS: f32 = 24.0;
 
-/// Shows the colours beside those of answers, and notes those that are changed.
+/// Shows the colours of starts without an answer and of the curve, and stores changed ones in
+/// `own`.
 pub(super) fn grounds(ui: &mut Ui, own: &mut GroundTable, shown: Ground) {
     let colours = [
         ("Unflipped", &mut own.unflipped, shown.unflipped),

@@ -1,4 +1,5 @@
-//! The list of keys with the questions, and the command palette: the same commands, to read and to search.
+//! The list of keys and questions, and the command palette, which makes the same commands
+//! searchable.
 
 use egui::{Align2, Key, Label, Modal, RichText, ScrollArea, TextEdit, Ui};
 
@@ -7,7 +8,7 @@ use crate::commands::{Command, shortcut_text};
 use crate::state::Dialog;
 use flipmap_scene::question::QuestionName;
 
-/// Actions of the pointer and of keys that stand together, for the list of keys.
+/// Actions of the pointer and of groups of keys, for the list of keys.
 pub(crate) const POINTER: [(&str, &str); 11] = [
     ("Drag", "Move the map"),
     ("Wheel, pinch, Ctrl+wheel", "Zoom about the pointer"),
@@ -54,7 +55,7 @@ pub(crate) fn help(ctx: &egui::Context, commands: &[Command]) -> Option<Action> 
     (!open).then_some(Action::Toggle(Dialog::Help))
 }
 
-/// Shows what each question asks, in the two sentences of its map.
+/// Shows the questions, each with its description.
 fn questions(ui: &mut Ui) {
     ui.add_space(8.0);
     ui.heading("Questions, to be chosen under Scene");
@@ -83,8 +84,8 @@ pub(crate) fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command
     commands.iter().filter(fits).collect()
 }
 
-/// The text typed into the palette, and the chosen one of the commands found. Kept in egui's memory
-/// as long as the palette is open.
+/// The text typed into the palette, and the index of the chosen command among those found. Kept in
+/// egui's memory while the palette is open.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct CommandSearch {
     query: String,

@@ -11,7 +11,8 @@ const WIDTH_POINTS: f32 = 300.0;
 /// Distance from the map's corner, in points.
 const MARGIN_POINTS: f32 = 10.0;
 
-/// Shows what the colours of a map mean in the lower left corner of `map`. The pointer goes through.
+/// Shows what the colours of a map mean in the lower left corner of `map`. The legend ignores the
+/// pointer.
 pub(crate) fn map_legend(
     ctx: &Context,
     map: Rect,

@@ -8,11 +8,11 @@ use super::sentence::sentence;
 use crate::action::Action;
 use crate::notices::Notices;
 
-/// Distance from the corner in points, which leaves room for the bar of tools.
+/// Distance from the corner in points, which leaves room for the toolbar.
 const BELOW_TOOLS: Vec2 = vec2(12.0, 46.0);
 
-/// Shows the notices over the upper left corner of the map, and asks for another frame when the next
-/// one goes.
+/// Shows the notices over the upper left corner of the map, and asks for another frame when the
+/// next one disappears.
 pub(crate) fn notices(ctx: &egui::Context, notices: &Notices, now_secs: f64) -> Vec<Action> {
     let mut actions = Vec::new();
     if notices.iter().len() == 0 {

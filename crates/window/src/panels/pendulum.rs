@@ -18,7 +18,7 @@ pub(crate) use drawing::miniature;
 const MAX_SIDE: f32 = 300.0;
 /// Height in points that the tabs and the clock take below a stage that fills the window.
 const BELOW_STAGE: f32 = 135.0;
-/// Time between two frames of flying pendulums: as smooth as a film, at half the cost of a game.
+/// Time between two frames of flying pendulums, at about 30 frames per second.
 pub const FRAME: Duration = Duration::from_millis(33);
 
 /// Shows the pins, the stage and the selected pin's numbers; returns the user's actions on them.
@@ -42,7 +42,7 @@ pub fn pendulum_panel(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
     actions
 }
 
-/// Shows the stage in all the room there is; returns the user's actions on the pins.
+/// Shows the stage in all the available space; returns the user's actions on the pins.
 pub(crate) fn stage(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
     let mut actions = Vec::new();
     match pins.selected() {

@@ -24,7 +24,7 @@ pub struct PlaceForm {
 }
 
 impl PlaceForm {
-    /// A form with a name for the next bookmark.
+    /// Creates a form with a name for the next bookmark.
     pub(crate) fn named(name: String) -> Self {
         PlaceForm { name, ..PlaceForm::default() }
     }
@@ -202,7 +202,7 @@ fn change(ui: &mut Ui, name: &str, form: &mut PlaceForm, actions: &mut Vec<Place
     }
 }
 
-/// Returns true if the return key has just ended the input to a field.
+/// Returns true if the Enter key has just ended the input to a field.
 fn entered(ui: &Ui, field: &Response) -> bool {
     field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
 }

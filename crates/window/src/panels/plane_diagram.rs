@@ -1,4 +1,5 @@
-//! A small diagram of a plane of starts: a pendulum on which the quantities across and up are marked.
+//! A small diagram of a plane of starts: a pendulum on which the quantities across and up are
+//! marked.
 
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
@@ -47,7 +48,8 @@ pub(super) fn plane_diagram(ui: &mut Ui, plane: &Plane) {
     axes(&painter, response.rect.right_bottom() + vec2(-46.0, -22.0), [across, up]);
 }
 
-/// The colour of a quantity: marked if it is on an axis. The momentum of a section marks the speed.
+/// Returns the colour of a quantity, which is marked if it is on an axis. The momentum of a section
+/// marks ω2.
 fn colour_of(plane: &Plane, quantity: Axis) -> Color32 {
     let marks =
         |axis: Axis| axis == quantity || (axis == Axis::Momentum2 && quantity == Axis::Omega2);

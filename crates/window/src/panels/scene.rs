@@ -1,4 +1,4 @@
-//! The scene: which pendulum, from which plane of starts, and what is asked about it.
+//! The scene panel: the pendulum, the question about it, and the plane of starts.
 
 use egui::{ComboBox, Grid, Ui};
 
@@ -46,7 +46,7 @@ fn built(ui: &mut Ui, build: &mut PendulumSpec) {
     pair(ui, ["Mass m1", "Mass m2"], " kg", &mut build.masses, WIDE);
     pair(ui, ["Length l1", "Length l2"], " m", &mut build.lengths, WIDE);
     if let Some(gravity) = number(ui, "Gravity g", " m/s²", build.gravity.value(), 0.0..=1e9) {
-        // Gravity below the smallest allowed positive value becomes none.
+        // Gravity below the smallest allowed positive value becomes 0.
         build.gravity = if gravity < 1e-9 { 0.0 } else { gravity }.into();
     }
     ui.end_row();
@@ -112,7 +112,7 @@ fn asked(ui: &mut Ui, question: &mut QuestionSettings) {
     }
 }
 
-/// Shows the moment of the answer, which is the end of the budget if it is not set.
+/// Shows the moment of the answer, which is the end of the budget by default.
 fn moment(ui: &mut Ui, question: &mut QuestionSettings) {
     let budget_secs = question.budget.secs;
     question.at = question.at.map(|secs| secs.min(budget_secs));
@@ -140,7 +140,7 @@ fn rule(ui: &mut Ui, rule: &mut Rule) {
     ui.end_row();
 }
 
-/// Largest angle or speed to be set, rad or rad/s.
+/// Largest fixed angle in rad or fixed speed in rad/s.
 const FAR: f64 = 1e3;
 
 fn plane(ui: &mut Ui, plane: &mut Plane) {

@@ -1,9 +1,9 @@
-//! Sentences of the crates below, in which names of settings stand between backquotes.
+//! Sentences from lower crates, which put names of settings in backquotes.
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, TextStyle, Ui};
 
-/// Lays out a sentence in a colour: what stands between backquotes is monospaced, without them.
+/// Lays out a sentence in a colour. Text in backquotes becomes monospaced and loses the quotes.
 pub(super) fn sentence(ui: &Ui, text: &str, colour: Color32) -> LayoutJob {
     let mut job = LayoutJob::default();
     let font = |style: TextStyle| -> FontId { style.resolve(ui.style()) };
@@ -13,7 +13,8 @@ pub(super) fn sentence(ui: &Ui, text: &str, colour: Color32) -> LayoutJob {
     job
 }
 
-/// The parts of a sentence with their styles. A backquote without a partner is part of the text.
+/// Returns the parts of a sentence with their styles. A backquote without a partner is part of the
+/// text.
 fn parts(text: &str) -> Vec<(&str, TextStyle)> {
     let mut parts = Vec::new();
     let mut rest = text;

@@ -12,11 +12,11 @@ pub struct StatusLine {
     pub progress: ViewProgress,
     /// Seconds until the view is complete, if they can be estimated.
     pub left_secs: Option<f64>,
-    /// Width of the view, in the unit that follows.
+    /// Width of the view in `unit`.
     pub width: f64,
     /// Unit of the horizontal axis.
     pub unit: &'static str,
-    /// Number of starts integrated per second, lately; 0 while nothing is computed.
+    /// Recent number of starts integrated per second; 0 while nothing is computed.
     pub rate: f64,
     /// Number of starts integrated since the window was opened.
     pub simulated: u64,
@@ -89,7 +89,7 @@ pub(crate) fn depth_words(
     (short, format!("The cells' middles are followed in {} digits. {began}", depth.digits))
 }
 
-/// Describes the time that is left, to no more digits than can be told.
+/// Describes the time that is left, in whole seconds, minutes or hours.
 fn left_words(secs: f64) -> String {
     match secs {
         s if s < 1.0 => "a moment left".to_string(),

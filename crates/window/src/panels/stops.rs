@@ -1,4 +1,4 @@
-//! The colours of one's own gradient, each a button that opens a picker.
+//! The colours of the user's own gradient, each a button that opens a picker.
 
 use egui::{Grid, Role, Ui, WidgetInfo};
 
@@ -10,8 +10,8 @@ const COPIED: u32 = 7;
 /// Largest number of colours that are edited one by one.
 const MAX_EDITED_COLOURS: usize = 24;
 
-/// Shows the colours of a palette, and notes those that are changed, added or removed. A palette with a
-/// name is copied first.
+/// Shows the colours of a palette, and changes, adds or removes them in `palette`. A palette with a
+/// name must first be copied.
 pub(super) fn stops(ui: &mut Ui, palette: &mut String) {
     let stops = parse_list(palette).filter(|stops| stops.len() <= MAX_EDITED_COLOURS);
     let Some(mut stops) = stops else {
@@ -49,14 +49,14 @@ pub(super) fn stops(ui: &mut Ui, palette: &mut String) {
     *palette = list_text(&stops);
 }
 
-/// Shows a small button, which is spoken by its name.
+/// Shows a small button, which screen readers call by `name`; returns true if it was clicked.
 fn act(ui: &mut Ui, sign: &str, name: &str, enabled: bool) -> bool {
     let button = ui.add_enabled(enabled, egui::Button::new(sign).small());
     button.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, name));
     button.on_hover_text(name).clicked()
 }
 
-/// Evenly spaced colours of a palette as a list.
+/// Returns evenly spaced colours of a palette as a list.
 fn copied(palette: &str) -> Option<String> {
     let palette = Palette::named(palette).ok()?;
     let stop = |k: u32| palette.colour(f64::from(k) / f64::from(COPIED - 1));

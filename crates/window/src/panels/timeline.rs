@@ -5,7 +5,8 @@ use egui::{Slider, Ui};
 use crate::action::Action;
 use crate::flight::playback::{Playback, SPEEDS};
 
-/// Shows the clock of a map whose pendulums run for `budget_secs`; returns the user's change of it.
+/// Shows the clock of a map whose pendulums run for `budget_secs`; returns the action that changes
+/// it.
 pub(crate) fn timeline(ui: &mut Ui, playback: &Playback, budget_secs: f64) -> Option<Action> {
     let mut new = *playback;
     let mut open = true;
@@ -26,8 +27,8 @@ pub(crate) fn timeline(ui: &mut Ui, playback: &Playback, budget_secs: f64) -> Op
         }
         let name = ui.label("Flipped by");
         let mut secs = playback.time_secs();
-        // The rail takes what the number and the last button leave. A slider that shows the number
-        // would round it, and so change the clock by itself.
+        // The rail takes the width that the number and the last button leave. A slider that shows
+        // the number would round it, and so change the clock.
         ui.spacing_mut().slider_width = (ui.available_width() - 130.0).max(40.0);
         let slider = Slider::new(&mut secs, 0.0..=budget_secs).show_value(false);
         if ui.add(slider).labelled_by(name.id).changed() {

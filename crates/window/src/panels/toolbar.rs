@@ -1,4 +1,4 @@
-//! The bar over the upper edge of the map: what is done most, each with a painted icon.
+//! The toolbar over the upper edge of the map: the most frequent actions, each with a painted icon.
 
 use egui::{
     Align2, Area, Color32, Frame, Id, Painter, Popup, Pos2, Rect, Response, Role, Sense, Shape,
@@ -61,7 +61,7 @@ pub(crate) fn toolbar(
     actions
 }
 
-/// Returns the keys that trigger an action, as text; empty if none does.
+/// Returns the first key that triggers an action, as text in parentheses; empty if there is none.
 fn keys_of(commands: &[Command], action: &Action) -> String {
     let command = commands.iter().find(|command| command.action == *action);
     let key = command.and_then(|command| command.keys.first());
@@ -110,7 +110,7 @@ fn lab_menu(ui: &mut Ui, commands: &[Command]) -> Option<Action> {
     chosen
 }
 
-/// The place of an icon, which reaches 7 points from its middle.
+/// The painter and the place of an icon, which reaches 7 points from its middle.
 struct Icon {
     painter: Painter,
     middle: Pos2,
@@ -146,7 +146,7 @@ impl Icon {
         self.line(&[(1.5, -5.0), (6.5, 0.0), (1.5, 5.0)]);
     }
 
-    /// Four bands, from dark to light.
+    /// Draws four bands, from dark to light.
     fn colours(&self) {
         let bands =
             [(0x3b, 0x1c, 0x70), (0xb0, 0x3a, 0x6e), (0xf0, 0x8a, 0x4b), (0xf6, 0xe0, 0x9a)];
@@ -157,7 +157,7 @@ impl Icon {
         }
     }
 
-    /// Frames within frames, and an arrow into them.
+    /// Draws frames within frames.
     fn deeper(&self) {
         for half in [7.0, 4.2, 1.6] {
             self.line(&[
@@ -170,7 +170,7 @@ impl Icon {
         }
     }
 
-    /// A double pendulum.
+    /// Draws a double pendulum.
     fn lab(&self) {
         self.line(&[(-2.0, -7.0), (2.5, -1.0), (-1.5, 5.0)]);
         self.painter.circle_filled(self.at(2.5, -1.0), 2.2, self.ink);

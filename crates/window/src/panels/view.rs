@@ -1,4 +1,4 @@
-//! The view as numbers, to be read and typed: centre, width, turn and stretch.
+//! The view as numbers that can be read and typed: centre, width, turn and stretch.
 
 use egui::{Grid, Key, TextEdit, Ui};
 
@@ -14,7 +14,7 @@ pub(crate) struct ViewForm {
 }
 
 impl ViewForm {
-    /// The texts in the fields: those typed, or those of the view that is shown.
+    /// Returns the texts in the fields: those typed, or those of the view that is shown.
     fn texts(&self, shown: &View) -> [String; 5] {
         self.typed.clone().unwrap_or_else(|| {
             let [x, y] = shown.center.clone();
@@ -23,7 +23,7 @@ impl ViewForm {
     }
 }
 
-/// Returns an angle in degrees that is given with a unit: in degrees or in parts of π.
+/// Returns in degrees an angle that is written in degrees or in parts of π; none without a unit.
 fn degrees(text: &str) -> Option<f64> {
     let rad = in_rad(text);
     if rad == text.trim() { None } else { Some(rad.parse::<f64>().ok()?.to_degrees()) }

@@ -12,7 +12,7 @@ use flipmap_lab::drawing::corner_inside;
 use flipmap_pendulum::State;
 use flipmap_scene::{Kind, PendulumSpec};
 
-/// Number of points per band of equal opacity; few, because lines that meet show a bead.
+/// Number of points per band of equal opacity. Long bands have few joints, which show as beads.
 const BAND_POINTS: usize = 16;
 /// Length of the outstretched pendulum as a fraction of half the canvas.
 const FILLED: f32 = 0.88;
@@ -101,7 +101,8 @@ impl<'a> PendulumCanvas<'a> {
         [first, first + rod(1)]
     }
 
-    /// Returns the bobs' radii: areas in proportion to the masses, down to a least radius.
+    /// Returns the bobs' radii in points, at least 3; above that, areas are proportional to the
+    /// masses.
     fn radii(&self) -> [f32; 2] {
         let [m1, m2] = self.build.masses_kg();
         let heaviest = m1.max(m2);
@@ -147,7 +148,7 @@ impl<'a> PendulumCanvas<'a> {
         let ends: Vec<(Pos2, f32)> =
             pin.trail.points().map(|(angle, youth)| (self.ends(angle)[1], youth)).collect();
         for first in (0..ends.len()).step_by(BAND_POINTS) {
-            // Bands share a point, so that nothing is missing between them.
+            // Bands share a point, so that there are no gaps.
             let band = &ends[first..ends.len().min(first + BAND_POINTS + 1)];
             let youth = band.last().map_or(0.0, |(_, youth)| *youth);
             let stroke = Stroke::new(1.5, pin.badge.colour().gamma_multiply(youth * strength));

@@ -36,7 +36,7 @@ pub(super) fn facts(ui: &mut Ui, pin: &Pin) {
         let flight = &pin.flight;
         row("Flip, gold standard", FLOWN, flown_words(flight, flight.outcome()).into());
         row("Flip, on the map", TOLD, told_words(pin).into());
-        // That the energy forbids a flip is no measurement with which another could agree.
+        // Agreement means nothing if the energy forbids a flip, because nothing was measured.
         let [own, beside] = [flight.outcome(), flight.ghost_outcome()];
         let is_forbidden = own.is_some_and(|outcome| outcome.status == Status::Forbidden);
         let agreement =
@@ -77,7 +77,7 @@ fn flown_words(flight: &Flight, outcome: Option<Outcome<Dd>>) -> String {
     }
 }
 
-/// Returns the agreement of the map with the gold standard; none while either is not known.
+/// Returns the agreement of the map with the gold standard; none until both are known.
 fn agreement(pin: &Pin) -> Option<Agreement> {
     let (told, _) = pin.told?;
     Some(Agreement::of(&told, &pin.flight.outcome()?))

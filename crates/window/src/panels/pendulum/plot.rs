@@ -45,12 +45,13 @@ pub(super) fn separation(ui: &mut Ui, pin: &Pin) {
     );
 }
 
-/// The line that marks a moment.
+/// Returns the line that marks a moment.
 fn upright(secs: f64, range: &RangeInclusive<f64>, colour: Color32) -> Curve {
     Curve::line("", colour, vec![[secs, *range.start()], [secs, *range.end()]])
 }
 
-/// The range of whole decades that holds all separations; `None` while the pendulums are together.
+/// Returns the range of whole decades that holds all separations; `None` while the pendulums are
+/// together.
 fn decades(readings: &[Reading]) -> Option<RangeInclusive<f64>> {
     let logs = readings.iter().map(|r| r.separation_rad.log10()).filter(|log| log.is_finite());
     let [low, high] = logs
@@ -62,7 +63,7 @@ fn decades(readings: &[Reading]) -> Option<RangeInclusive<f64>> {
     Some(10f64.powf(low)..=10f64.powf(high))
 }
 
-/// The separations that have a logarithm, against time in s.
+/// Returns the separations above 0 against time in s.
 fn points(readings: &[Reading]) -> Vec<[f64; 2]> {
     let apart = readings.iter().filter(|reading| reading.separation_rad > 0.0);
     apart.map(|reading| [reading.secs, reading.separation_rad]).collect()
