@@ -1,6 +1,6 @@
 //! Measures microseconds per pixel of narrow views at eleven places on filaments, on all cores with
 //! a budget of 30 s, as multiples of those of a view 0.08 rad wide at the same place in the same
-//! run. `flipmap deeper` found the places.
+//! run. `flipmap deeper` found the last ten of them.
 
 use std::time::Instant;
 

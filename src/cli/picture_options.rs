@@ -55,10 +55,10 @@ pub(super) struct PictureOptions {
     /// --ask state also energy, which can only be painted: --raw and --exr then get all channels
     #[arg(hide_short_help = true, long, value_name = "NAME")]
     channel: Option<String>,
-    /// Strength of a light from the side on a landscape whose height is the time, 0 to 1
+    /// Strength of light from the side, 0 to 1; heights are times
     #[arg(long, value_name = "STRENGTH", allow_hyphen_values = true)]
     relief: Option<String>,
-    /// Direction of that light, anticlockwise from the right (default: 135, the upper left)
+    /// Direction to the light of --relief, anticlockwise from the right (default: 135, upper left)
     #[arg(hide_short_help = true, long, value_name = "DEGREES", allow_hyphen_values = true)]
     light: Option<String>,
     /// Bits of each channel of the picture: 8, or 16 in .png and .tiff
