@@ -52,7 +52,7 @@ struct Cli {
     #[arg(short = 'V', long)]
     version: bool,
 
-    /// Also print licences and sources (with --version)
+    /// Print licences and sources as well (with --version)
     #[arg(long, requires = "version")]
     verbose: bool,
 

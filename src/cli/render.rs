@@ -28,8 +28,7 @@ use super::stop;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// When to follow pixels as cells first, for measurements: auto (where it saves time), never,
-    /// always
+    /// Follow pixels as cells first, for measurements: auto (where it saves time), never or always
     #[arg(hide_short_help = true, long, value_name = "WHEN", default_value_t)]
     cells: Cells,
     /// Save pixels that can go on in this file, and resume from it with a larger --budget or --at;
