@@ -1,6 +1,6 @@
-//! Seconds until the first small picture of a deep view is complete, on one core: the reference in
-//! many digits, the cells followed as polynomials, and 16 × 16 pixels. Then, with the reference
-//! known, microseconds per pixel beside those of a view a thousandth wide, in the same run.
+//! Measures the seconds until the first small picture of a deep view is complete, on one core: the
+//! reference in many digits, the cells followed as polynomials, and 16 × 16 pixels. Then, with the
+//! reference known, compares microseconds per pixel with those of a view 1e-3 rad wide.
 
 use std::time::Instant;
 

@@ -1,6 +1,6 @@
-//! Cost of a film that zooms over ten decades, beside its 600 frames rendered one by one, in one
-//! run: the film's samples and their painting, and every `FLIPMAP_EVERY`th frame (every 12th by
-//! default) as a picture with as many samples per pixel, which stands for its neighbours.
+//! Compares the cost of a film that zooms over ten decades, samples and painting, with that of its
+//! 600 frames rendered one by one, in one run. Renders only every `FLIPMAP_EVERY`th frame (every
+//! 12th by default), with as many samples per pixel as the film, and counts it for its neighbours.
 
 use std::time::Instant;
 

@@ -1,6 +1,6 @@
-//! Cost of everything around an engine: the home map as a PNG with an engine that answers at once.
-//! Nanoseconds of processor time per pixel of the picture, over all threads, and seconds until the
-//! file is complete.
+//! Measures the cost of everything around an engine: writes PNGs of two scenes with an engine that
+//! answers at once. Prints nanoseconds of processor time per pixel, over all threads, and seconds
+//! until the file is complete.
 
 use std::time::Instant;
 
@@ -10,7 +10,7 @@ use flipmap_render::output::{Paths, RenderClock, Sinks, pass_work, render_pass};
 use flipmap_render::tiles::Renderer;
 use flipmap_scene::{BuiltIn, Document, Sampling};
 
-/// Samples of a pixel, and pixels along a side.
+/// Samples per pixel, and pixels along each side.
 const PICTURES: [(Sampling, u32); 4] = [
     (Sampling::SINGLE, 1024),
     (Sampling::SINGLE, 4096),
@@ -38,7 +38,7 @@ fn main() {
     }
 }
 
-/// Seconds until a picture is complete, and seconds of processor time that it takes.
+/// Returns the seconds until a picture is complete, and the seconds of processor time it takes.
 fn drawn(document: &Document, samples: Sampling, side: u32) -> (f64, Option<f64>) {
     let mut document = document.clone();
     document.picture.samples = samples;
@@ -62,7 +62,7 @@ fn drawn(document: &Document, samples: Sampling, side: u32) -> (f64, Option<f64>
     (begun.elapsed().as_secs_f64(), cpu)
 }
 
-/// Seconds of processor time of the whole process, if the system tells.
+/// Seconds of processor time of the whole process, if the system reports them.
 fn cpu_secs() -> Option<f64> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     // The name of the program, which may have spaces, ends with the last parenthesis.

@@ -1,4 +1,4 @@
-//! Runs an integrator of one's own on the processor's lanes, and judges it by the gold standard.
+//! Runs a custom integrator on the processor's SIMD lanes, and judges it by the gold standard.
 //!
 //! `cargo run --release --example custom_integrator`
 

@@ -1,4 +1,4 @@
-//! Paints a map in colours of one's own: hue by the logarithm of the flip time.
+//! Paints a map in custom colours: the logarithm of the flip time gives the hue.
 //!
 //! `cargo run --release --example custom_palette` writes `rainbow.png`.
 use flipmap::{EngineKind, EngineRequest, Outcome, Renderer, Scene, Status};

@@ -1,4 +1,4 @@
-//! Follows one pendulum by the gold standard, in f64 and in double-double.
+//! Follows one pendulum with the gold standard, in f64 and in double-double.
 //!
 //! `cargo run --release --example one_pendulum`
 use flipmap::{Dd, Outcome, Pendulum, Rule, Scalar, Status, oracle};

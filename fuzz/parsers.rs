@@ -1,6 +1,6 @@
-//! Every parser of what others may have written or damaged, as functions of bytes. None may panic, and
-//! what one reads it reads again from what it writes. libFuzzer calls them (`fuzz_targets`), and so does
-//! a test of the program, on the inputs kept in `corpus`.
+//! Every parser of files and texts that others may have written or damaged, as a function of bytes.
+//! None may panic, and a value that one reads must be the same after writing and reading it again.
+//! libFuzzer calls them (`fuzz_targets`); a test calls them with the inputs in `corpus`.
 
 use std::io::Cursor;
 
@@ -19,7 +19,7 @@ use sha2::{Digest, Sha256};
 /// A parser of bytes.
 pub(crate) type Parser = fn(&[u8]);
 
-/// All of them, by the names of their corpora.
+/// All parsers, by the names of their corpora.
 pub(crate) const PARSERS: [(&str, Parser); 13] = [
     ("scene", scene),
     ("location", place),
@@ -80,7 +80,7 @@ pub(crate) fn plan(bytes: &[u8]) {
     }
 }
 
-/// A state file: as it is, and as a body whose checksum fits.
+/// A state file: first as it is, then as the body of a file with the right checksum.
 pub(crate) fn state(bytes: &[u8]) {
     let _ = RenderState::parse(bytes);
     let whole = [b"flipmap state 2\n", &Sha256::digest(bytes)[..], bytes].concat();
@@ -119,14 +119,14 @@ pub(crate) fn part(bytes: &[u8]) {
     let folder = tempfile::tempdir().expect("a folder for the file");
     let path = folder.path().join("rows-00000000-0000000-1.part");
     std::fs::write(path, bytes).expect("room for the file");
-    // The digest of the corpus's part, in the form of its plan.
+    // The digest in the part, with the form of the corpus's plan.
     let of = bytes.get(20..84).map(|of| String::from_utf8_lossy(of).into_owned());
     let form = PartForm::Rows { width: 16, rows: 16, channels: 1 };
     let forms: PartForms = of.into_iter().map(|of| (of, form)).collect();
     let _ = Parts::scan(folder.path(), forms).map(|parts| parts.damaged().len());
 }
 
-/// A gradient file: the first letter says which kind.
+/// A gradient file; the first byte chooses its kind.
 pub(crate) fn gradient(bytes: &[u8]) {
     let Some((kind, rest)) = bytes.split_first() else { return };
     let ending = ENDINGS[usize::from(*kind) % ENDINGS.len()];

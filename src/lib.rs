@@ -1,8 +1,8 @@
 //! flipmap: every possible double pendulum at once.
 //!
 //! Each pixel of a flip-time map is a pendulum released from rest at (θ1, θ2), coloured by the time
-//! until its second bob flips over the top. This crate is the front door: the names that a program
-//! of yours needs, from the crates that do the work. Its examples are in the folder `examples`.
+//! until its second bob flips over the top. This crate re-exports the names that your own programs
+//! need from the crates that do the work. The folder `examples` shows how to use them.
 //!
 //! # A map
 //!
@@ -18,12 +18,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Its colours are yours (`examples/custom_palette.rs`), or those of a [`PictureRecipe`], which
-//! writes the picture too; two maps are compared sample by sample (`examples/compare_arrays.rs`).
+//! Colour the samples yourself (`examples/custom_palette.rs`), or let a [`PictureRecipe`] colour
+//! and write them. `examples/compare_arrays.rs` compares two maps sample by sample.
 //!
 //! # One pendulum
 //!
-//! The [`oracle`], a Taylor integrator in any number type, is what every engine is judged by:
+//! Every engine is judged by the [`oracle`], a Taylor integrator for any number type:
 //! `examples/one_pendulum.rs`.
 //!
 //! ```
@@ -48,9 +48,9 @@
 //! |---|---|
 //! | [`flipmap_numbers`] | number types, exact decimals, derivatives, roots of polynomials |
 //! | [`flipmap_pendulum`] | equations of motion, integrators, events, flow patches, the oracle |
-//! | [`flipmap_scene`] | pendulum, question, view, colours, keys of films; from pixels to starts |
-//! | [`flipmap_engine`] | jobs of starts to outcomes: SIMD lanes, compute shaders, deep zoom, checks |
-//! | [`flipmap_render`] | which samples come next, pictures, films, traces, work in shards |
+//! | [`flipmap_scene`] | pendulum, question, view, colours, keys of films; pixels as starts |
+//! | [`flipmap_engine`] | outcomes of starts: SIMD lanes, compute shaders, deep zoom, checks |
+//! | [`flipmap_render`] | order of samples, pictures, films, traces, work in shards |
 //! | [`flipmap_report`] | measurements and hard cases |
 //! | `flipmap_lab`, `flipmap_window` | the live figures and the window, with the feature `window` |
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]

@@ -15,7 +15,7 @@ fn main() -> ExitCode {
     #[cfg(unix)]
     cli::driver_cache::do_without_on_a_full_disk();
     let threads = rayon::ThreadPoolBuilder::new().num_threads(default_threads());
-    // Without the pool, its work is done on the threads that ask for it.
+    // A failure is ignored here: an engine that cannot start its own threads reports the reason.
     let _ = threads.build_global();
     match cli::run() {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,4 +1,4 @@
-//! Work that is split, killed, damaged and repeated gives the same result.
+//! Work that is split, killed, damaged or repeated gives the same result.
 
 #[path = "common/program.rs"]
 mod program;
@@ -35,7 +35,7 @@ fn kill_ten_times(folder: &TempDir, arguments: &dyn Fn(u32) -> Vec<String>) -> u
     for k in 0..10u32 {
         let arguments = arguments(k);
         let mut child = start(folder, &arguments.iter().map(String::as_str).collect::<Vec<_>>());
-        // Somewhere between the first job and a few finished parts.
+        // A time between the first job and a few finished parts.
         sleep(Duration::from_millis(200 + u64::from(k * 7919 % 10) * 110));
         killed += u32::from(child.try_wait().unwrap().is_none());
         child.kill().unwrap();
@@ -161,7 +161,7 @@ fn a_stop_keeps_what_is_done_and_says_so() {
     plan(&folder, "p.toml", "2", &["filigree", "--size", "640x480", "--budget", "60"]);
     let mut command = program(&folder, &["run", "p.toml"]);
     let child = command.stderr(Stdio::piped()).spawn().unwrap();
-    // A loaded machine takes its time for the first part.
+    // The first part takes long on a busy machine.
     let begun = Instant::now();
     let is_there =
         || folder.path().join("p.parts").exists() && !parts(&folder, "p.parts").is_empty();
@@ -257,7 +257,7 @@ fn shards_of_films_of_other_answers_are_those_films() {
     let folder = folder();
     let plane = ["home", "--size", "16x12", "--frames", "5"];
     let films: [(&str, &[&str]); 3] = [
-        // Trajectories go on from frame to frame; every frame is its own mirror image.
+        // Trajectories continue from frame to frame; every frame is its own mirror image.
         ("state", &["--ask", "state", "--budget", "6", "--vary", "at=0..6"]),
         // Each frame has pendulums of its own, and several samples per pixel.
         (
@@ -282,7 +282,8 @@ fn shards_of_films_of_other_answers_are_those_films() {
         let (first, last) = (whole.get("000000.png"), whole.get("000004.png"));
         assert!(first.is_some() && first != last, "{name} shows something");
     }
-    // Some parts are lost: their shards are named, and what is computed again is the same.
+    // Some parts are lost: their shards are named, and the result of computing them again is the
+    // same.
     let lost = parts(&folder, "state.parts");
     assert_eq!(lost.len(), 15, "a part for every shard and frame");
     lost.iter().step_by(4).for_each(|part| fs::remove_file(part).unwrap());

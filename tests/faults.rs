@@ -1,5 +1,5 @@
-//! Pipes, signals and files of others: nothing hangs, nothing foreign is replaced, and every refusal
-//! names the file.
+//! Pipes, signals and files of other programs: nothing hangs, no file of another program is
+//! replaced, and every refusal names the file.
 #![cfg(unix)]
 
 #[path = "common/program.rs"]
@@ -36,7 +36,7 @@ fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args(["-s", name, &id]).status().unwrap().success());
 }
 
-/// Waits for the end of a process, which must come within some seconds.
+/// Waits for a process to end; panics if that takes more than a number of seconds.
 fn ends_within(child: &mut Child, secs: u64, what: &str) -> ExitStatus {
     let begun = Instant::now();
     loop {
@@ -77,7 +77,7 @@ fn a_write_that_waits_for_its_reader_hears_a_signal() {
     for (name, to_pipe) in [("INT", true), ("TERM", true), ("INT", false)] {
         let folder = folder();
         let path = pipe(&folder.path().join("p"));
-        // Somebody who has the pipe open and reads nothing.
+        // A reader that has the pipe open but reads nothing.
         let held = fs::File::options().read(true).write(true).open(&path).unwrap();
         let output = if to_pipe { "p" } else { "-" };
         let size = ["--engine", "cpu", "--size", "900x900", "--budget", "1", "-o", output];
@@ -85,7 +85,7 @@ fn a_write_that_waits_for_its_reader_hears_a_signal() {
         command.stderr(Stdio::piped());
         command.stdout(if to_pipe { Stdio::null() } else { held.try_clone().unwrap().into() });
         let mut child = command.spawn().unwrap();
-        // Until the pipe is full, and for a while more.
+        // Waits until the pipe is full, and a while longer.
         sleep(Duration::from_secs(4));
         assert!(child.try_wait().unwrap().is_none(), "it waits for the reader");
         signal(&child, name);
@@ -162,7 +162,7 @@ fn signals_are_heard_while_engines_are_measured_and_films_are_planned() {
         "-o",
         "f",
     ];
-    // A busy machine may be late to signal, and measuring is over in a second.
+    // On a busy machine the signal may be late, and measuring takes only a second.
     let [at_once, begun] = [0, 700].map(Duration::from_millis);
     let at_work = [(&measuring[..], "measuring the engines", at_once), (&planning[..], "", begun)];
     for (words, wait, pause) in at_work {
@@ -177,8 +177,8 @@ fn signals_are_heard_while_engines_are_measured_and_films_are_planned() {
         sleep(pause);
         assert!(child.try_wait().unwrap().is_none(), "{words:?} is at work");
         signal(&child, "INT");
-        // The system itself ends a program that has no handler yet, even amid the compiling of a
-        // kernel; how soon a busy machine gets round to it says nothing about the program.
+        // The system ends a program that has no handler yet, even while a kernel is compiled. The
+        // delay on a busy machine says nothing about the program.
         let status = ends_within(&mut child, 10, "a start");
         assert_eq!(status.signal(), Some(2), "{words:?}: {status:?}");
         assert!(!folder.path().join("a.png").exists());
@@ -264,7 +264,7 @@ fn a_hunt_that_is_stopped_says_so() {
     let said = error_of(&child.wait_with_output().unwrap());
     assert_eq!(status.code(), Some(130), "{said}");
     assert!(said.contains("stopped; h/hunt.json holds"), "{said}");
-    // It may be hunted in again.
+    // Another hunt may use the same folder.
     done(&folder, &["report", "--hunt", "0.01", "--engine", "cpu", "-o", "h"]);
 }
 
@@ -283,7 +283,7 @@ fn a_folder_whose_name_is_too_long_is_refused_before_the_work() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// Writes a plan's part anew with another body, and the checksum that fits it.
+/// Rewrites a plan's part with another body and a matching checksum.
 fn forge(path: &Path, change: impl Fn(&mut Vec<u8>)) {
     let mut bytes = fs::read(path).unwrap();
     let mut body = bytes.split_off(19);
@@ -347,7 +347,7 @@ fn names_are_never_commands_or_markup() {
         let words = ["plan", &scene, "--shards", "2", "-o", &plan];
         let planned = flipmap(&folder, &[&words[..], &CPU].concat());
         assert!(planned.status.success(), "{name}: {}", error_of(&planned));
-        // The command that is suggested is one that a shell runs as it is meant.
+        // A shell runs the suggested command as intended.
         let said = flipmap(&folder, &["verify", &plan]);
         assert_eq!(said.status.code(), Some(4), "{name}");
         let said = error_of(&said);
@@ -376,7 +376,7 @@ fn names_are_never_commands_or_markup() {
 fn the_page_of_a_pyramid_escapes_what_a_scene_says() {
     let folder = folder();
     let hostile = "</pre><script>alert(1)</script>";
-    // A scene's words are checked; the only free text is that of the tables before they are refused.
+    // The words of a scene are checked; free text can only stand in the tables before that check.
     let scene = format!("[run]\nmethod = \"{hostile}\"\n");
     fs::write(folder.path().join("s.toml"), scene).unwrap();
     let words = ["render", "s.toml", "--pyramid", "tiles"];

@@ -15,8 +15,8 @@ const CONFIG: IntegratorConfig =
     IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 /// Width of a poster in pixels.
 const WIDTH: u32 = 60_000;
-/// Rows of the largest picture of that width whose lower half is computed as the mirror image of
-/// its upper half, which is held back until its rows are due.
+/// Number of rows of the largest picture of that width whose lower half is the mirror image of its
+/// upper half. The mirrored rows are held in memory until they are due.
 const MIRRORED_HEIGHT: u32 = 1118;
 /// A lock for one measurement at a time, since each measures the whole process.
 static MEASURING: Mutex<()> = Mutex::new(());
@@ -28,7 +28,7 @@ fn memory(key: &str) -> Option<u64> {
     Some(line.trim_start_matches(':').trim().trim_end_matches(" kB").parse::<u64>().ok()? << 10)
 }
 
-/// The peak growth of the memory in use during a run, in bytes, if the system can reset earlier
+/// Returns the peak growth of memory use during a run in bytes, if the system can reset earlier
 /// peaks.
 fn growth(run: impl FnOnce()) -> Option<u64> {
     let _alone = MEASURING.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -116,7 +116,7 @@ fn a_mirror_image_that_waits_for_its_turn_fits_too() {
 
 #[test]
 fn the_longest_sides_can_be_begun_and_given_up() {
-    // Its memory must not count as that of another test.
+    // The memory of this test must not count as that of another.
     let _alone = MEASURING.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| Some(folder.path().join(name));

@@ -1,4 +1,4 @@
-//! Python's own turn during long work: Ctrl-C and progress.
+//! Lets Python handle Ctrl-C and progress during long work.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 /// Time between two turns.
 const PERIOD: Duration = Duration::from_millis(50);
 
-/// Gives Python a turn now and then, and remembers the exception that it raised.
+/// A clock that gives Python a turn now and then, and keeps the exception that Python raises.
 pub(crate) struct Clock {
     progress: Option<Py<PyAny>>,
     total: u64,
@@ -21,7 +21,7 @@ struct State {
 }
 
 impl Clock {
-    /// A clock that calls `progress(done, total)`, if there is one.
+    /// Makes a clock that calls `progress(done, total)`, if given.
     pub(crate) fn new(progress: Option<Py<PyAny>>, total: u64) -> Self {
         let state = Mutex::new(State { last: Instant::now(), raised: None });
         Clock { progress, total, state }
@@ -29,7 +29,7 @@ impl Clock {
 
     /// Returns false once Python raised an exception. Call without the interpreter's lock.
     pub(crate) fn keep_going(&self, done: u64) -> bool {
-        // Whoever finds another thread at it leaves it to that one.
+        // If another thread holds the lock, that thread gives Python its turn.
         let Ok(mut state) = self.state.try_lock() else { return true };
         if state.raised.is_none() && state.last.elapsed() >= PERIOD {
             state.raised = Python::attach(|py| self.turn(py, done)).err();
@@ -38,7 +38,7 @@ impl Clock {
         state.raised.is_none()
     }
 
-    /// Tells the end, and returns an exception that Python raised on the way.
+    /// Reports the end of the work, or returns the exception that Python raised during it.
     pub(crate) fn finish(self, py: Python<'_>) -> PyResult<()> {
         let state = self.state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
         match (state.raised, self.progress) {

@@ -17,7 +17,7 @@ mod _flipmap {
     #[pymodule_export]
     use crate::trace::trace;
 
-    /// Adds the words and codes that Python needs, so that they are written once.
+    /// Exports the words and codes that Python needs, so that they are defined only once.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         let words = Setting::ALL.map(|(name, _)| name);

@@ -13,7 +13,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::clock::Clock;
 use crate::scene::{document, value_error};
 
-/// How to compute, in words; `None` for what is left to the program.
+/// Run settings as Python gives them; `None` leaves a choice to the program.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Run {
@@ -120,7 +120,7 @@ fn names(channels: &[Channel]) -> Vec<(&'static str, &'static str)> {
     channels.iter().map(|channel| (channel.name, channel.unit)).collect()
 }
 
-/// The numbers that an array of the program holds.
+/// Returns the bytes of the numbers that `flipmap render --raw` would write.
 fn values(samples: &Samples) -> Vec<u8> {
     (0..samples.len()).flat_map(|k| samples.numbers(k)).flat_map(f64::to_ne_bytes).collect()
 }

@@ -1,15 +1,15 @@
-//! A scene from what Python says: a name, a file or a text, and words.
+//! Makes a scene from Python's arguments: a name, a file or a text, and words.
 use flipmap::{BuiltIn, Document, Setting, named_document};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// An error in what was asked for, as Python's `ValueError`.
+/// Converts an error in the arguments into Python's `ValueError`.
 pub(crate) fn value_error(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// Loads a scene, by default home, or the middle of another plane, and sets words of it. A text with
-/// several lines is TOML.
+/// Loads a scene and sets words of it. The default is home, or the middle of the plane if `words`
+/// has one. A text of several lines is TOML.
 pub(crate) fn document(scene: Option<&str>, words: &[(String, String)]) -> PyResult<Document> {
     let document = match scene {
         Some(text) if text.contains('\n') => Document::parse(text).map_err(value_error)?,

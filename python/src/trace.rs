@@ -1,4 +1,4 @@
-//! `trace`: one pendulum, by the gold standard in double-double.
+//! `trace`: follows one pendulum with the gold standard in double-double.
 use flipmap::{Advance, Dd, Scalar, Trace, launch_from_text};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -7,7 +7,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::clock::Clock;
 use crate::scene::{document, value_error};
 
-/// Largest number of rows of a table.
+/// Maximum number of rows in a table.
 const MAX_ROWS: f64 = 1e8;
 
 /// Traces one pendulum. Returns a dictionary: `columns` (names), `rows` (f64 bytes) and `passes`
@@ -47,7 +47,7 @@ pub(crate) fn trace<'py>(
     Ok(table)
 }
 
-/// The bytes of all rows, or of those before the clock said no.
+/// Returns the bytes of all rows, or of the rows before the clock stopped the work.
 fn rows(trace: &mut Trace, clock: &Clock) -> PyResult<Vec<u8>> {
     let mut bytes = Vec::new();
     while clock.keep_going(0) {

@@ -19,16 +19,16 @@ pub(super) struct Options {
     a: PathBuf,
     /// Second result, of the same kind and size
     b: PathBuf,
-    /// Question that two arrays answer; it decides units, and angles are compared on the circle
-    /// (default: differences as they are)
+    /// Question that both arrays answer: sets the unit, and compares angles on the circle (default:
+    /// plain differences)
     #[arg(long, value_name = "NAME")]
     ask: Option<String>,
-    /// Largest difference that does not count: in the unit of the channel (default: what counts as
-    /// right with --ask, else 0.001) or, with --ask and several channels, in multiples of what counts
-    /// as right (default: 1); for pictures in levels of 255 (default: 0)
+    /// Largest difference to ignore. Arrays: in the unit of the channel (default: with --ask the
+    /// largest error that counts as right, else 0.001); with --ask and several channels, in
+    /// multiples of that error (default: 1). Pictures: in levels of 255 (default: 0)
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     tolerance: Option<String>,
-    /// Share of pixels that may differ by more, 0 to 1
+    /// Share of pixels that may differ by more than the tolerance, 0 to 1
     #[arg(long, value_name = "SHARE", default_value = "0", allow_hyphen_values = true)]
     share: String,
     /// Picture of the differences to write: brighter for larger ones, red where the class changed
@@ -75,7 +75,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The yardstick of the question that the arrays answer.
+/// Returns how to compare answers to the question of `--ask`; plain differences without it.
 fn yardstick(options: &Options, a: &ResultRows, b: &ResultRows) -> anyhow::Result<Yardstick> {
     let Some(name) = &options.ask else {
         return Ok(Yardstick::Plain);
@@ -87,8 +87,8 @@ fn yardstick(options: &Options, a: &ResultRows, b: &ResultRows) -> anyhow::Resul
     Ok(Yardstick::of(ask))
 }
 
-/// Refuses two pictures of flipmap's that answer different questions about different planes. Other
-/// files do not tell.
+/// Refuses two pictures by flipmap that differ in question, count or plane. Other files do not
+/// record these.
 fn one_question(a: &Path, b: &Path) -> Result<(), Exit> {
     let asked = |path: &Path| {
         let is_file =
@@ -168,7 +168,7 @@ fn tell(options: &Options, comparison: &Comparison, unit: &str) -> anyhow::Resul
     ))
 }
 
-/// A difference with its unit; an array does not tell its own.
+/// Formats a difference with its unit. An empty unit is that of an array, which does not record it.
 fn in_words(difference: &str, unit: &str) -> String {
     let unit = if unit.is_empty() { "in the unit of the channel" } else { unit };
     format!("{difference} {unit}")

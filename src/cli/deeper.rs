@@ -85,8 +85,8 @@ fn write(mut file: SafeFile, keys: &Keys) -> io::Result<()> {
     file.finish()
 }
 
-/// The scenes from the first one down to a width of `to` rad, or to where there is no structure or a
-/// stop.
+/// Returns the scenes from the first one down to a width of `to` rad. Ends earlier if no structure
+/// is left or the user stops it.
 fn descend(scene: Scene, chosen: &mut Chosen, to: f64) -> anyhow::Result<Vec<Scene>> {
     let mut descent = Descent::new(scene.clone(), chosen.config, [0.0; 2]);
     let mut path = vec![scene];

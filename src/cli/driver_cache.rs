@@ -1,5 +1,5 @@
-//! The shader cache of Mesa's drivers. They map a file of it into memory, and where its disk is full,
-//! the first write to that memory ends the program (SIGBUS); so there they must do without it.
+//! Turns off the shader cache of Mesa's drivers if its disk is full. They map a cache file into
+//! memory, and without disk space the first write to that memory ends the program (SIGBUS).
 
 use std::env;
 use std::os::unix::process::CommandExt;
@@ -20,7 +20,7 @@ pub(crate) fn do_without_on_a_full_disk() {
     let Ok(program) = env::current_exe() else { return };
     let mut arguments = env::args_os();
     let name = arguments.next().unwrap_or_else(|| "flipmap".into());
-    // It returns only if that failed: then this run goes on, and may or may not be ended.
+    // `exec` returns only on failure; this run then goes on, and may end by SIGBUS.
     let error = Command::new(program).arg0(name).args(arguments).env(OFF, "true").exec();
     log::warn!("the disk of Mesa's shader cache is full, and it cannot be turned off: {error}");
 }
@@ -33,7 +33,8 @@ fn folder() -> Option<PathBuf> {
         .or_else(|| of("HOME").map(|home| home.join(".cache")))
 }
 
-/// Returns true unless the disk of a folder, which may not exist yet, is known to have too little room.
+/// Returns true unless the disk of a folder is known to have less room. The folder may not exist
+/// yet.
 fn has_room(folder: &Path, bytes: u64) -> bool {
     folder
         .ancestors()

@@ -4,10 +4,10 @@
 pub(super) const FLIPMAP: &str = "Examples:
   flipmap                              explore the map in a window
   flipmap render filigree              a picture of a built-in scene, filigree.png
-  flipmap explore filigree.png         go on in the window from where a picture was made
-  flipmap help render                  everything that a picture can show
+  flipmap explore filigree.png         open the view of a picture in the window
+  flipmap help render                  all options for pictures
 
-Before the first picture, the engines are measured for a few seconds.";
+Before the first picture, flipmap measures the engines for a few seconds.";
 
 /// The examples of `flipmap render --help`.
 pub(super) const RENDER: &str = "Examples:

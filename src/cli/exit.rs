@@ -16,10 +16,10 @@ pub(crate) enum Exit {
     /// Exit code 2: the command line or one of its files cannot be used.
     #[error("{0}")]
     Usage(String),
-    /// Exit code 1: the machine or its files do not allow it.
+    /// Exit code 1: the machine or its file system prevents it.
     #[error("{0}")]
     Failed(String),
-    /// Exit code 69: nothing here can do it.
+    /// Exit code 69: no graphics device here can draw the window.
     #[cfg(feature = "window")]
     #[error("{0}")]
     Unavailable(String),
@@ -32,7 +32,7 @@ pub(crate) enum Exit {
     /// Exit code 75: stopped, and can be resumed.
     #[error("stopped; what was finished is kept: run the same command again to resume")]
     Again,
-    /// Exit code 75: stopped before any output was complete; the samples for it are there as before.
+    /// Exit code 75: stopped before any output was complete; its samples are kept.
     #[error("stopped; no file was written, and the samples are kept: run the same command again")]
     Unwritten,
     /// Exit code 130: stopped, and no unfinished file is left.
@@ -53,16 +53,17 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(code_of(error))
 }
 
-/// Largest number of characters of a message; what is longer quotes a very long input.
+/// Maximum number of characters in a message; only one that quotes a very long input has more.
 const MAX_CHARACTERS: usize = 2000;
 
-/// A message as a terminal may show it, with options for the settings that it names.
+/// Makes a message safe for a terminal, and replaces the names of settings by their options.
 pub(super) fn printable(message: &str) -> String {
     clean(&with_options(message))
 }
 
-/// A text as a terminal may show it. What is quoted from a file or an option can hold control characters,
-/// which a terminal would obey, or turn the direction of what follows, and be endless.
+/// Makes a text safe for a terminal. Words quoted from a file or an option can contain control
+/// characters, which a terminal would obey, can reverse the direction of writing, and can be very
+/// long.
 fn clean(text: &str) -> String {
     let mut cleaned = String::new();
     for (k, character) in text.chars().enumerate() {
@@ -86,11 +87,10 @@ fn is_direction(character: char) -> bool {
     matches!(character, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// Largest number of characters of a line of a usage error.
+/// Maximum number of characters in a line of a usage error.
 const MAX_LINE_CHARACTERS: usize = 400;
 
-/// Ends the program with what clap has to say: help, or an error, cleaned like any other and with its
-/// code.
+/// Prints clap's help, or its error, cleaned like any other, and exits with clap's code.
 pub(super) fn leave(error: &clap::Error) -> ! {
     if !error.use_stderr() {
         error.exit()
@@ -101,7 +101,7 @@ pub(super) fn leave(error: &clap::Error) -> ! {
     std::process::exit(error.exit_code())
 }
 
-/// A line without its middle if it is very long: the ends have the words, and the middle a value.
+/// Cuts the middle, which is a quoted value, out of a very long line; clap's words are at its ends.
 fn shortened(line: &str) -> String {
     let characters: Vec<char> = line.chars().collect();
     if characters.len() <= MAX_LINE_CHARACTERS {

@@ -44,7 +44,7 @@ pub(super) fn request_like(plan: &Plan, request: EngineRequest) -> EngineRequest
     prefer_engine(request, plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
-/// Computes what is missing from some shards; if nothing is, returns the existing parts.
+/// Computes the missing samples of some shards; if none are missing, returns the existing parts.
 pub(super) fn compute(
     task: &Task,
     shards: std::ops::RangeInclusive<u32>,
@@ -94,8 +94,8 @@ pub(super) fn compute(
     Ok(None)
 }
 
-/// Lets pixels of the piece's still be integrated directly. Every shard takes the same pixels, and so
-/// marks what the others mark.
+/// Integrates some pixels of the piece's still directly. Every shard takes the same pixels, so all
+/// shards mark the same views.
 fn hear_second_opinion(
     task: &Task,
     piece: &WorkPiece,
@@ -170,7 +170,7 @@ pub(super) fn paint(
     };
     drop(progress);
     painted.map_err(|error| match error {
-        // Frames that are written are not made again; a film in one file is.
+        // Written frames are not made again; a film in one file is made anew.
         MergeError::Stopped if Codec::of(output).is_none() => anyhow::Error::from(Exit::Again),
         MergeError::Stopped => Exit::Unwritten.into(),
         // Ctrl-C in a terminal reaches ffmpeg too.

@@ -110,7 +110,7 @@ impl FilmOptions {
         Ok((film, spec))
     }
 
-    /// The keys, with the scene's options applied to each, or to the scene in which something varies.
+    /// Returns the keys with the scene options applied to each, or to the one scene of `--vary`.
     fn keys(&self) -> anyhow::Result<Vec<Key>> {
         let usage = |message: &str| Err(Exit::Usage(message.to_string()).into());
         let mut keys = match (&self.scenes[..], &self.zoom_to, &self.vary) {
@@ -141,7 +141,8 @@ impl FilmOptions {
         Ok(keys)
     }
 
-    /// Keys of a zoom to a scene, from the named one or from home with the target's own question.
+    /// Returns keys of a zoom to a scene, from the named one or from home with the target's
+    /// question.
     fn zoom(&self, to: &str) -> anyhow::Result<Vec<Key>> {
         let mut to = load(to)?;
         // These times suit the view at the end, not the zoom towards it.
@@ -238,7 +239,7 @@ fn spaced(scenes: Vec<Document>) -> Vec<Key> {
     scenes.into_iter().map(key).collect()
 }
 
-/// Keys of one view in which one quantity changes; a question or a budget among the words stays.
+/// Returns keys of one view in which one quantity changes. A question or budget in `words` is kept.
 fn varied(scene: Document, vary: &str, words: &SceneWords) -> anyhow::Result<Vec<Key>> {
     let wrong = || {
         Exit::Usage(format!(
@@ -288,7 +289,8 @@ fn varied(scene: Document, vary: &str, words: &SceneWords) -> anyhow::Result<Vec
     Ok(vec![key(0.0, from)?, key(SECS_IN_PLACE, to)?])
 }
 
-/// The scene with the question state; a rule or a count among the words is left to be refused.
+/// Returns the scene with the question `state`. A rule or a count in `words` stays, and is refused
+/// by a later check; others are dropped.
 fn asking_state(mut scene: Document, words: &SceneWords) -> Document {
     scene.question.ask = QuestionName::State;
     if words.says(Setting::Rule) || words.says(Setting::Count) {
@@ -298,7 +300,7 @@ fn asking_state(mut scene: Document, words: &SceneWords) -> Document {
     scene.with_scene(without_strays)
 }
 
-/// The refusal of a value that varies.
+/// Converts the error of an invalid scene into a usage error that names `--vary`.
 fn refused(vary: &str, why: DocumentError) -> Exit {
     Exit::Usage(match why {
         DocumentError::Scene(SceneError { setting, value, range }) => {

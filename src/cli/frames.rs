@@ -1,5 +1,5 @@
-//! Films whose frames are made one after another: states as their time goes on, with every trajectory
-//! computed once, and stills of any question.
+//! Films made frame by frame: states at advancing times, for which every trajectory is computed
+//! once, and a still per frame for any other question.
 
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::{Cells, IntegratorConfig};
@@ -68,7 +68,7 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     Ok(())
 }
 
-/// Rejects a film whose keys the numbers cannot tell apart.
+/// Checks each key of a film as [`check_numbers`] checks a scene.
 pub(super) fn check_film(
     film: &Film,
     size: [u32; 2],
@@ -79,7 +79,7 @@ pub(super) fn check_film(
         .try_for_each(|key| check_numbers(&key.scene.scene(), size, config, Cells::Auto))
 }
 
-/// Rejects what such a film does not have.
+/// Rejects `--cache`: a film made frame by frame keeps no samples.
 fn check(options: &video::Options, film: &Film) -> Result<(), Exit> {
     if options.cache.is_none() {
         return Ok(());

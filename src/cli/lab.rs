@@ -67,7 +67,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes the map figure: in the window it is the explorer itself; here a small map is computed.
+/// Computes a small map and writes it as the map figure, which in the window is the explorer.
 fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
     let map = home_map(MAP_SIDE)?;
     if let Some(path) = &options.csv {
@@ -84,7 +84,7 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Number of pixels along each side of that map.
+/// Number of pixels along each side of the small map.
 const MAP_SIDE: u32 = 512;
 
 fn size(text: &str) -> Result<[u32; 2], Exit> {

@@ -15,7 +15,7 @@ pub(super) struct ManOptions {
 
 #[derive(Args, Debug)]
 pub(super) struct CompletionOptions {
-    /// Shell that is to complete words: bash, zsh, fish, elvish or powershell
+    /// Shell to print completions for: bash, zsh, fish, elvish or powershell
     shell: Shell,
 }
 

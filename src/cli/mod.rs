@@ -52,7 +52,7 @@ struct Cli {
     #[arg(short = 'V', long)]
     version: bool,
 
-    /// Print licences and sources, too (with --version)
+    /// Print licences and sources as well (with --version)
     #[arg(long, requires = "version")]
     verbose: bool,
 
@@ -89,11 +89,11 @@ enum Verb {
     /// Draw one of the lesson's live figures as a still, or write its data.
     #[cfg(feature = "window")]
     Lab(lab::Options),
-    /// Measure this machine's engines, speed against error, and write a report.
+    /// Measure the speed and error of this machine's engines, and write a report.
     Report(report::Options),
     /// List the graphics adapters, check their arithmetic, and show what would be used and why.
     Doctor(doctor::Options),
-    /// Print the completions of a shell, to be kept where it looks for them.
+    /// Print shell completions, to be saved where the shell looks for them.
     Completions(manual::CompletionOptions),
     /// Print a page of the manual, as in flipmap man render | man -l -
     Man(manual::ManOptions),
@@ -151,7 +151,7 @@ fn say(text: &str) -> anyhow::Result<()> {
     Ok(writeln!(std::io::stdout(), "{text}")?)
 }
 
-/// Prints a line on standard output as long as anybody reads it, where the exit code tells the same.
+/// Prints a line to standard output; a closed pipe is ignored, as the exit code says the same.
 fn say_if_heard(text: &str) -> anyhow::Result<()> {
     say(text).or_else(|error| match flipmap_render::output::is_broken_pipe(error.as_ref()) {
         true => Ok(()),

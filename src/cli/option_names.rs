@@ -1,7 +1,7 @@
-//! Names of settings in messages, as the options of the command line that set them.
+//! Replaces the names of settings in messages by the options that set them.
 //!
-//! The library says that `` `width` `` is too small, because a scene, a location, the window and
-//! Python have a width, too; only here it is called `--width`.
+//! The library says that `` `width` `` is too small, because scenes, locations, the window and
+//! Python have a width too; on the command line it is `--width`.
 
 use std::collections::HashMap;
 use std::sync::LazyLock;
@@ -12,7 +12,7 @@ use flipmap_render::output::Paths;
 use super::Cli;
 use super::same_file::Named;
 
-/// The options of all subcommands, by their names.
+/// Options of all subcommands by their long names: `-o` if there is a short form, else `--output`.
 static OPTIONS: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
     let program = Cli::command();
     let verbs = program.get_subcommands().flat_map(clap::Command::get_opts);
@@ -25,7 +25,7 @@ static OPTIONS: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
         .collect()
 });
 
-/// The paths that are given, each with its option.
+/// Returns the given paths, each with its option.
 pub(super) fn by_option(paths: &Paths) -> Vec<Named<'_>> {
     let option = |setting: &'static str| OPTIONS.get(setting).map_or(setting, String::as_str);
     paths.named().into_iter().map(|(setting, path)| (option(setting), path)).collect()

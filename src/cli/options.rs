@@ -28,7 +28,7 @@ pub(super) struct SceneWords {
     /// angles also as in -95deg,0.5pi
     #[arg(long, value_name = "θ1,θ2", allow_hyphen_values = true)]
     center: Option<String>,
-    /// Width of the view in those units
+    /// Width of the view in the same units
     #[arg(long, allow_hyphen_values = true)]
     width: Option<String>,
     /// Simulated seconds that each pixel may use, 1e-9 to 1e6, or auto
@@ -68,10 +68,10 @@ pub(super) struct SceneWords {
     /// omega2 with a comma between them
     #[arg(long, value_name = "NAME")]
     plane: Option<String>,
-    /// Start in rad and rad/s that gives the quantities which are not on the plane's axes
+    /// Start, in rad and rad/s, that fixes the quantities not on the plane's axes
     #[arg(hide_short_help = true, long, value_name = "θ1,θ2,ω1,ω2", allow_hyphen_values = true)]
     origin: Option<String>,
-    /// Total energy of the plane section in J, 0 where both rods are level and at rest
+    /// Total energy in J for the plane section; 0 is both rods level and at rest
     #[arg(hide_short_help = true, long, value_name = "J", allow_hyphen_values = true)]
     energy: Option<String>,
     /// Stretch the picture vertically by this factor, 1e-6 to 1e6
@@ -99,8 +99,8 @@ impl SceneOptions {
 }
 
 impl SceneWords {
-    /// Loads the scene to which the options apply: the named one, or the home scene. On another
-    /// plane that is the middle.
+    /// Loads the scene to which the options apply: the named one or, by default, the home scene;
+    /// with `--plane`, the middle of the plane.
     pub(super) fn base(&self, scene: Option<&str>) -> anyhow::Result<Document> {
         match scene {
             Some(scene) => load(scene),
@@ -109,7 +109,7 @@ impl SceneWords {
         }
     }
 
-    /// Returns true if a word was given as an option.
+    /// Returns true if the option of a setting was given.
     pub(super) fn says(&self, word: Setting) -> bool {
         self.said().iter().any(|(other, said)| *other == word && said.is_some())
     }

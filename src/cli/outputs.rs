@@ -14,8 +14,8 @@ use super::same_file::{Named, keep_apart, one_stream};
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Output")]
 pub(super) struct OutputOptions {
-    /// Picture to write (- for standard output); render names it after the scene if nothing is
-    /// named
+    /// Picture to write (- for standard output); render names it after the scene if no
+    /// output is given
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
     /// Folder for the picture as tiles, with a page that shows them
@@ -44,12 +44,13 @@ impl OutputOptions {
         }
     }
 
-    /// Returns true if any of them has the colours of samples.
+    /// Returns true if an output shows samples as colours.
     pub(super) fn are_painted(&self) -> bool {
         self.output.is_some() || self.pyramid.is_some()
     }
 
-    /// The outputs, or if none is named, a new picture with the name of the scene, if it has one.
+    /// Returns the outputs or, if there are none and a scene is named, a new picture named after
+    /// it.
     pub(super) fn or_picture_of(&self, scene: Option<&str>) -> Result<Self, Exit> {
         let name = scene.and_then(|scene| Path::new(scene).file_stem());
         let Some(name) = name.filter(|_| self.paths().named().is_empty()) else {
@@ -63,8 +64,8 @@ impl OutputOptions {
         Ok(OutputOptions { output: Some(picture), ..self.clone() })
     }
 
-    /// Rejects outputs that cannot be written, or that would replace what is read from `inputs`;
-    /// `json` uses standard output too, and `state` is one more file.
+    /// Rejects outputs that cannot be written, or that would replace one of `inputs`. With `json`,
+    /// standard output is taken; `state` is one more output.
     pub(super) fn check(
         &self,
         json: bool,

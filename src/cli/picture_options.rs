@@ -31,15 +31,15 @@ pub(super) struct PictureOptions {
     /// Number of times to run through the palette, 1 to 100
     #[arg(hide_short_help = true, long, value_name = "N", allow_hyphen_values = true)]
     cycles: Option<String>,
-    /// Colours after the end of the palette: its beginning (plain), or itself backwards (mirrored),
-    /// which shows no seam; mirrored if --cycles is given, unless the palette ends as it begins
+    /// Colours after the end of the palette: its beginning (plain), or the palette backwards
+    /// (mirrored), which shows no seam. With --cycles, mirrored unless the palette is cyclic
     #[arg(hide_short_help = true, long, value_name = "mirrored|plain")]
     repeat: Option<String>,
-    /// Part of the palette that precedes the first time, 0 to 1, with which it has come round
+    /// Part of the palette to skip before the first time, 0 to 1; 1 is once around
     #[arg(hide_short_help = true, long, value_name = "N", allow_hyphen_values = true)]
     offset: Option<String>,
     /// Colour scale: equal steps of colour for equal ratios (log) or differences (linear) of time, or
-    /// one colour for all that lies between two of --times (steps)
+    /// one colour between each two of --times (steps)
     #[arg(hide_short_help = true, long, value_name = "log|linear|steps")]
     scale: Option<String>,
     /// Two or more times in seconds that divide the palette into equal steps; view: times of the
@@ -52,13 +52,13 @@ pub(super) struct PictureOptions {
     )]
     times: Option<String>,
     /// Channel of the question to paint, and to write to --raw and --exr (default: all of them). With
-    /// --ask state also energy, which is painted only: --raw and --exr then have all channels
+    /// --ask state also energy, which can only be painted: --raw and --exr then get all channels
     #[arg(hide_short_help = true, long, value_name = "NAME")]
     channel: Option<String>,
-    /// Light from the side on a landscape whose height is the time, 0 to 1
+    /// Strength of light from the side, 0 to 1; heights are times
     #[arg(long, value_name = "STRENGTH", allow_hyphen_values = true)]
     relief: Option<String>,
-    /// Direction to that light, anticlockwise from the right (default: 135, the upper left)
+    /// Direction to the light of --relief, anticlockwise from the right (default: 135, upper left)
     #[arg(hide_short_help = true, long, value_name = "DEGREES", allow_hyphen_values = true)]
     light: Option<String>,
     /// Bits of each channel of the picture: 8, or 16 in .png and .tiff
@@ -101,7 +101,7 @@ impl PictureOptions {
         self.samples.is_some()
     }
 
-    /// The file of the palette, if it is one.
+    /// Returns the file that `--palette` names, if it exists.
     pub(super) fn palette_file(&self) -> Option<Named<'_>> {
         let path = Path::new(self.palette.as_deref()?);
         path.exists().then_some(("--palette", path))
@@ -133,12 +133,12 @@ impl PictureOptions {
         self.times.as_deref() == Some(OF_VIEW)
     }
 
-    /// Rejects several samples in some pixels only, for a reason.
+    /// Rejects `--samples auto`; the error gives the reason `why`.
     pub(super) fn check_even(&self, why: &str) -> Result<(), Exit> {
         self.refuse_samples(ADAPTIVE, "render", why)
     }
 
-    /// Rejects a word for samples, for a reason.
+    /// Rejects `--samples` with this word; the error gives the reason `why`.
     fn refuse_samples(&self, word: &str, whose: &str, why: &str) -> Result<(), Exit> {
         if self.samples.as_deref() == Some(word) {
             return Err(Exit::Usage(format!("--samples {word} is for {whose}: {why}")));
@@ -146,7 +146,7 @@ impl PictureOptions {
         Ok(())
     }
 
-    /// Rejects what the frames of films do not have.
+    /// Rejects picture options that films do not have.
     pub(super) fn check_film(&self) -> Result<(), Exit> {
         let why = "every place of a film is sampled once, as finely as its closest frame needs";
         self.check_even(why)?;
@@ -158,7 +158,7 @@ impl PictureOptions {
         Ok(())
     }
 
-    /// Applies what follows when the palette has been run through.
+    /// Applies `--repeat`, or its default if `--cycles` is given.
     fn repeat(&self, picture: &mut PictureTable) -> Result<(), Exit> {
         if self.cycles.is_some() && picture.cycles > 1.0 {
             picture.mirror = !Palette::is_cyclic(&picture.palette);
@@ -213,7 +213,7 @@ impl PictureOptions {
         self.check_times(document)
     }
 
-    /// Rejects options for colours of times where something else is painted.
+    /// Rejects options for colours of times if the picture shows something else.
     fn check_times(&self, document: &Document) -> Result<(), Exit> {
         let (picture, ask) = (&document.picture, document.question.ask);
         if picture.paints_times(ask) || picture.shown(ask).is_err() {
@@ -239,10 +239,10 @@ impl PictureOptions {
     }
 }
 
-/// The word for several samples where colours change.
+/// Value of `--samples` that takes several samples only where colours change.
 const ADAPTIVE: &str = "auto";
 
-/// Reads the samples of each pixel, and true if only pixels where colours change have several.
+/// Parses `--samples`; the flag is true if only pixels where colours change get several.
 fn samples_of(text: &str) -> Result<(Sampling, bool), &'static str> {
     match text {
         ADAPTIVE => return Ok((Sampling::Square(PictureTable::ADAPTIVE), true)),
@@ -254,7 +254,7 @@ fn samples_of(text: &str) -> Result<(Sampling, bool), &'static str> {
     square.ok_or("it must be corners or auto, or lie between 1 and 8")
 }
 
-/// The palette that a scene names: a gradient file becomes its colours.
+/// Returns the palette as a scene stores it: a gradient file becomes its colours.
 fn palette_of(text: &str) -> Result<String, Exit> {
     match read_gradient(Path::new(text)) {
         Some(colours) => colours.map_err(|why| Exit::Usage(format!("--palette: {why}"))),

@@ -29,8 +29,8 @@ pub(super) struct PlanOptions {
     /// Number of shards
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Plan::MAX_SHARDS)))]
     shards: u32,
-    /// Plan one more sample at each pixel's centre, as --raw, --exr and --trust need when --samples
-    /// is above 1
+    /// Plan one more sample at each pixel's centre, which --raw, --exr and --trust need if
+    /// --samples is above 1
     #[arg(hide_short_help = true, long)]
     numbers: bool,
     /// Plan file to write; the computed parts are stored next to it

@@ -19,7 +19,7 @@ pub(super) enum Mode {
     Json,
 }
 
-/// Display of how many of all pixels, samples or frames are done.
+/// A display of the number of pixels, samples or frames that are done.
 pub(super) struct Progress {
     bar: ProgressBar,
     json: bool,
@@ -52,7 +52,7 @@ impl Progress {
         Progress { bar, json: mode == Mode::Json, total, unit, begun: now, last_line: now }
     }
 
-    /// Shows `done` units as done, and what else is going on.
+    /// Shows `done` units as done, and the text `doing` after them.
     pub(super) fn set(&mut self, done: u64, doing: Option<String>) {
         self.bar.set_message(doing.map_or_else(String::new, |doing| format!(" · {doing}")));
         if done == self.bar.position() {

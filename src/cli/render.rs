@@ -1,5 +1,5 @@
-//! `flipmap render`: renders a scene as a picture, tiles of one, arrays of flip times, a map of
-//! trust, or all of them.
+//! `flipmap render`: renders a scene as a picture, as tiles, as an array of flip times, as a map of
+//! trust, or as several of these.
 
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
@@ -28,11 +28,11 @@ use super::stop;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// Follow pixels as cells first (for measurements): auto where that saves time, never, or always
+    /// Follow pixels as cells first, for measurements: auto (where it saves time), never or always
     #[arg(hide_short_help = true, long, value_name = "WHEN", default_value_t)]
     cells: Cells,
-    /// Save pixels that can go on to this file, and resume from it with a larger --budget or --at; each
-    /// has one sample
+    /// Save pixels that can go on in this file, and resume from it with a larger --budget or --at;
+    /// takes one sample per pixel
     #[arg(hide_short_help = true, long, value_name = "FILE")]
     state: Option<PathBuf>,
     /// Print the settings that ran, the counts and the timings as one JSON object
@@ -101,7 +101,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A run on the command line: displayed as the user asked, stopped by signals.
+/// The watch of a run on the command line: shows progress as the user asked, and stops on signals.
 struct CommandLine {
     mode: Mode,
     progress: Mutex<Option<Progress>>,
@@ -110,7 +110,7 @@ struct CommandLine {
 
 impl Watch for CommandLine {
     fn keep_going(&self, done: u64, total: u64) -> bool {
-        // A thread that panicked while it held the lock left a display behind, nothing else.
+        // The lock guards only a display, which is still usable if a thread panicked.
         let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
         let progress = progress.get_or_insert_with(|| Progress::new(self.mode, total));
         progress.set(done, self.following.words());
@@ -118,7 +118,7 @@ impl Watch for CommandLine {
     }
 }
 
-/// Resolves the options, and rejects what could not be done before anything is computed.
+/// Resolves the options, and rejects impossible ones before anything is computed.
 fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Document, RunSpec)> {
     options.run.engine.check()?;
     let mut document = options.scene.document()?;
@@ -218,14 +218,15 @@ pub(super) fn check_numbers(
 /// Pixel spacing in rad above which the centre may well be a round number.
 const TOO_SMALL_FOR_ROUND_CENTRES: f64 = 1e-9;
 
-/// Number of digits after the decimal point of a number, its exponent taken into account.
+/// Number of decimal places of a number, taking its exponent into account.
 fn decimals(text: &str) -> usize {
     let (digits, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
     let after = digits.trim().split_once('.').map_or(0, |(_, after)| after.len() as i64);
     (after - exponent.trim().parse::<i64>().unwrap_or(0)).max(0) as usize
 }
 
-/// Takes one sample per pixel where those in corners cannot be had, unless they were asked for.
+/// Takes one sample per pixel in place of corners, which a very large picture cannot have. For a
+/// state, does so only if `--samples` was not given.
 fn settle_samples(
     options: &Options,
     document: &mut Document,

@@ -1,4 +1,4 @@
-//! `flipmap report`: measures what this machine's engines are worth.
+//! `flipmap report`: measures the speed and error of this machine's engines.
 
 use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
@@ -145,7 +145,7 @@ fn explained(error: ReportError, folder: &Folder, session: Option<&Session>) -> 
     }
 }
 
-/// Display of how many measurements are done: a bar on a terminal, or a JSON object for each.
+/// A display of the number of measurements done: a bar on a terminal, or one JSON object for each.
 struct ReportProgress {
     bar: ProgressBar,
     json: bool,

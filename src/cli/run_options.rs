@@ -55,15 +55,15 @@ pub(super) struct EngineOptions {
     /// Number of threads of the CPU engine (default: one per core)
     #[arg(hide_short_help = true, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
-    /// Setting of the graphics engine that changes its speed and no answer, for measurements; can be
-    /// repeated. The keys are pace (longest milliseconds of a submission without a window),
-    /// first_slice (steps before anything is measured), slices (most per submission), slots (jobs on
-    /// the device), job_size (starts), workgroup (32 to 256), subgroups and general (on or off)
+    /// Setting of the graphics engine that changes its speed but no answer, for measurements; can
+    /// be repeated. The keys are pace (maximum ms of a submission without a window), first_slice
+    /// (steps before anything is measured), slices (maximum per submission), slots (jobs on the
+    /// device), job_size (starts per job), workgroup (32 to 256), subgroups and general (on or off)
     #[arg(hide_short_help = true, long, value_name = "KEY=VALUE", value_parser = tuning)]
     gpu: Vec<String>,
 }
 
-/// Refuses a setting that the graphics engine does not have.
+/// Refuses a setting or value that the graphics engine does not have.
 fn tuning(text: &str) -> Result<String, String> {
     GpuTuning::default().with(text).map(|_| text.to_string())
 }
@@ -87,7 +87,7 @@ impl From<EngineOption> for Option<EngineKind> {
 }
 
 impl EngineOptions {
-    /// Returns the engine request that the options make for a setting, with checked answers or not.
+    /// Returns the engine request for an integration setting; `verify` asks for checked answers.
     pub(super) fn request(&self, setting: IntegrationSetting, verify: bool) -> EngineRequest {
         EngineRequest {
             kind: self.engine.into(),

@@ -1,4 +1,4 @@
-//! Files that a command names twice: what it reads, it must not replace.
+//! Checks that no output of a command is also one of its inputs or another output.
 
 use std::path::Path;
 
@@ -7,10 +7,10 @@ use flipmap_render::output::{is_one_file, is_stdout};
 
 use super::exit::Exit;
 
-/// A file with the words for it: an option, or what it holds.
+/// A file with its name in messages: an option, or a description such as "the scene".
 pub(super) type Named<'a> = (&'a str, &'a Path);
 
-/// Rejects outputs that are one file with an input or with another output, under any name.
+/// Rejects an output that is the same file as an input or another output, under any name.
 pub(super) fn keep_apart(inputs: &[Named], outputs: &[Named]) -> Result<(), Exit> {
     for (k, (name, path)) in outputs.iter().enumerate() {
         let others = inputs.iter().chain(&outputs[..k]);
@@ -24,7 +24,7 @@ pub(super) fn keep_apart(inputs: &[Named], outputs: &[Named]) -> Result<(), Exit
     Ok(())
 }
 
-/// Rejects several outputs on standard output, to which `json` is written, too.
+/// Rejects more than one output on standard output; `json` counts as one.
 pub(super) fn one_stream(outputs: &[Named], json: bool) -> Result<(), Exit> {
     let streams = outputs.iter().filter(|(_, path)| is_stdout(path)).map(|(name, _)| *name);
     let streams: Vec<&str> = streams.chain(json.then_some("--json")).collect();
@@ -37,7 +37,8 @@ pub(super) fn one_stream(outputs: &[Named], json: bool) -> Result<(), Exit> {
     )))
 }
 
-/// Rejects a film whose folder has an input under the name of a frame, which the film would replace.
+/// Rejects an input that is named like a frame and lies in the film's folder, which would replace
+/// it.
 pub(super) fn keep_from_frames(inputs: &[Named], folder: &Path) -> Result<(), Exit> {
     for (name, path) in inputs {
         let place = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());

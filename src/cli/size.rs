@@ -1,6 +1,6 @@
 //! Sizes of pictures in words: two side lengths, or the name of a screen.
 
-/// The sizes that have names, in pixels.
+/// Sizes with names, in pixels.
 const NAMED: [(&str, [u32; 2]); 6] = [
     ("720p", [1280, 720]),
     ("1080p", [1920, 1080]),
@@ -10,7 +10,7 @@ const NAMED: [(&str, [u32; 2]); 6] = [
     ("8k", [7680, 4320]),
 ];
 
-/// The ways in which a size can be given, for messages.
+/// The accepted forms of a size, for messages.
 pub(super) const WAYS: &str = "WIDTHxHEIGHT, or 720p, 1080p, 1440p, 4k or 8k";
 
 /// Parses two side lengths with an x between them, or the name of a screen's size.

@@ -1,8 +1,7 @@
 //! Ctrl-C and SIGTERM: work stops at the next slice, unfinished files are removed, windows close.
 //!
-//! Commands listen from the moment at which there is something to stop or to remove. Until then,
-//! while engines are measured and films are planned, signals end the program as they end any other:
-//! at once.
+//! Commands listen as soon as there is something to stop or to remove. Until then, while engines
+//! are measured and films are planned, a signal ends the program at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

@@ -17,7 +17,7 @@ use super::stop;
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// Angles in rad at which the pendulum is released from rest, with any number of digits, or as
-    /// in -95deg,0.5pi; or these and the speeds in rad/s with which it is thrown
+    /// in -95deg,0.5pi; followed by the speeds in rad/s if it is thrown
     #[arg(long, value_name = "θ1,θ2[,ω1,ω2]", allow_hyphen_values = true)]
     start: String,
     /// Simulated seconds to trace
@@ -80,10 +80,10 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     tell(options, trace.passes())
 }
 
-/// Maximum number of rows that a table may reasonably have.
+/// Maximum number of rows in a table.
 const MAX_ROWS: f64 = 1e8;
 
-/// Writes the head and all rows.
+/// Writes the header and all rows.
 fn write_table(trace: &mut Trace, out: &mut SafeFile) -> anyhow::Result<()> {
     writeln!(out, "{}", trace.columns().join(","))?;
     loop {
@@ -96,7 +96,7 @@ fn write_table(trace: &mut Trace, out: &mut SafeFile) -> anyhow::Result<()> {
     }
 }
 
-/// Writes a row; the error of the energy is a very small number, and what is not there is empty.
+/// Writes a row: the energy error, which is very small, with an exponent, and NaN as an empty cell.
 fn write_row(out: &mut SafeFile, row: &[f64]) -> std::io::Result<()> {
     let words = row.iter().enumerate().map(|(column, number)| match (column, number.is_nan()) {
         (_, true) => String::new(),
@@ -106,7 +106,7 @@ fn write_row(out: &mut SafeFile, row: &[f64]) -> std::io::Result<()> {
     writeln!(out, "{}", words.collect::<Vec<_>>().join(","))
 }
 
-/// Place of the error of the energy among the columns.
+/// Index of the column with the energy error.
 const ENERGY_ERROR: usize = 5;
 
 /// Prints the crossings; the first of each bob is its flip.

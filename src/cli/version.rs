@@ -1,10 +1,10 @@
-//! `flipmap --version`, and with `--verbose` all that the program is made of and others have a right in.
+//! `flipmap --version`; with `--verbose` also licences and sources.
 
 use flipmap_engine::cpu::instruction_set;
 use flipmap_scene::palette::Palette;
 
-/// The version in one line, or with what it was built for, the program's licence, and the sources and
-/// licences of the colour tables.
+/// Prints the version; if `is_verbose`, also the platform, the program's licence, and the sources
+/// and licences of the colour tables.
 pub(super) fn say(is_verbose: bool) -> anyhow::Result<()> {
     super::say(concat!("flipmap ", env!("CARGO_PKG_VERSION")))?;
     if !is_verbose {

@@ -96,7 +96,7 @@ fn prepare(cache: &Path, options: &Options) -> Result<(), Exit> {
     })
 }
 
-/// The plan beside the samples.
+/// Returns the plan file beside the samples.
 fn plan_in(cache: &Path) -> Destination {
     Destination::File(cache.join("plan.toml"))
 }
@@ -110,7 +110,7 @@ fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Re
     Ok(Task::new(plan, path)?)
 }
 
-/// Refuses to replace a plan that is not a film's own.
+/// Refuses to replace a plan that `flipmap video` did not write.
 fn spares_plans(path: &Path) -> Result<(), Exit> {
     match read_text(path) {
         Ok(text) if !Plan::is_kept_by_film(&text) => Err(Exit::Usage(format!(
@@ -125,7 +125,7 @@ fn earlier(path: &Path) -> Option<Plan> {
     Plan::parse(&read_text(path).ok()?).ok()
 }
 
-/// Chooses the codec by the file name's extension; a folder has none.
+/// Returns the codec for the extension of a file name, or `None` for a folder.
 pub(super) fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
     let codec = Codec::of(output);
     let ending = output.extension().is_some() && !output.is_dir();

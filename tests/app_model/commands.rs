@@ -32,7 +32,7 @@ fn run(desktop: &mut Desktop, word: &str) {
 #[test]
 fn panels_places_and_palettes_are_found_by_name() {
     let mut desktop = home();
-    // A control of each panel, which is seen only while the panel is open.
+    // Each panel with one of its controls, which is visible only while the panel is open.
     for (panel, control) in
         [("panel scene", "Gravity g"), ("colours", "Equalise to this view"), ("export", "Browse…")]
     {

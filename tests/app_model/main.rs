@@ -1,5 +1,5 @@
-//! The whole user interface with the CPU engine behind it, without a window: controlled by control
-//! names and keyboard, as by a user without a mouse or a screen.
+//! The whole user interface on the CPU engine, without a window: driven by control names and the
+//! keyboard, as by a user without a mouse or a screen.
 
 mod commands;
 mod films;
@@ -39,14 +39,14 @@ fn options(folders: Folders, document: Option<Document>) -> WindowOptions {
     WindowOptions { document, run: Some(run), request, folders, stats: None, film_command: None }
 }
 
-/// An app model of fixed size with a complete map.
+/// Returns an app model of fixed size with a complete map.
 fn model(folders: Folders, document: Option<Document>) -> Desktop {
     model_of(&options(folders, document))
 }
 
 fn model_of(options: &WindowOptions) -> Desktop {
     let mut model = AppModel::new(options, Arc::new(|| ()));
-    // Finer samples would be computed on and on under tests of other things.
+    // Tests of other features would keep computing finer samples.
     if model.state.look.edges == EdgeSamples::default() {
         model.state.look.edges = EdgeSamples::One;
     }

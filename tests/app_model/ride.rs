@@ -1,4 +1,4 @@
-//! The ride: descents, flying pendulums, the bar of tools, and what is told on the way.
+//! The ride: descents, flying pendulums, the toolbar, and the notices on the way.
 
 use egui::{Event, Key, Modifiers, Role, pos2};
 use egui_kittest::kittest::Queryable;
@@ -11,12 +11,12 @@ use flipmap_window::model::{AppModel, WindowOptions};
 
 use super::*;
 
-/// Runs frames until the view aimed at is another, and returns the share that was known of the one
-/// before when it was left.
+/// Runs frames until the target view changes, and returns the share of the previous target that was
+/// known by then.
 fn share_left(desktop: &mut Desktop) -> f64 {
     let config = desktop.state().compute.config().unwrap();
     let begun = Instant::now();
-    // Views on the way are drawn at half the resolution.
+    // Intermediate views are drawn at half the resolution.
     let target = |model: &AppModel| model.films.descent.passing(model.state.view_target(config));
     loop {
         let before = target(desktop.state());
@@ -65,7 +65,7 @@ fn notices_go_by_themselves_and_failures_do_not() {
     assert!(notices(&desktop).contains("was copied") && notices(&desktop).contains("pasted"));
     let delay =
         |desktop: &Desktop| desktop.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay;
-    // Both appear within moments; then nothing is drawn until one goes.
+    // Both notices appear within moments; then nothing is drawn until one disappears.
     for _ in 0..60 {
         desktop.step();
         if delay(&desktop) > Duration::from_secs(1) {
@@ -129,7 +129,7 @@ fn the_bar_of_tools_does_what_its_names_say_and_goes_with_the_panels() {
     click(&mut desktop, "Leave the lab");
     desktop.run_steps(2);
     click(&mut desktop, "List the keys");
-    // What has to be scrolled to is not told.
+    // Text outside the visible part of a list is not found, so the window is made tall.
     desktop.set_size(egui::vec2(720.0, 2600.0));
     desktop.run_steps(5);
     for ask in flipmap_scene::question::QuestionName::ALL {

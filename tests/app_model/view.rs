@@ -27,7 +27,7 @@ fn the_map_is_played_paused_scrubbed_and_shown_whole_again() {
         clock(desktop).is_some_and(|clock| clock.time_secs() > 0.1)
     });
     assert!(desktop.query_all_by_label("Flipped by").count() > 0);
-    // Beyond the first frames, in which the clock stands at a round number.
+    // Skips the first frames, in which the clock shows a round number.
     desktop.run_steps(7);
     press(&mut desktop, Modifiers::NONE, Key::Space);
     desktop.run_steps(3);
@@ -95,7 +95,7 @@ fn a_view_is_typed_in_degrees_and_gone_to() {
     until(&mut desktop, "the panel", |desktop| desktop.query_by_label("Turn, degrees").is_some());
     type_over(&mut desktop, Role::TextInput, "Turn, degrees", "x30");
     assert!(desktop.query_by_label_contains("which is no number").is_some());
-    // The return key goes there, too.
+    // The Return key also starts the move.
     for (name, text) in [("Turn, degrees", "30"), ("θ1, rad", "90deg"), ("Width, rad", "0.25")] {
         type_over(&mut desktop, Role::TextInput, name, text);
         until(&mut desktop, "the move", |desktop| desktop.state().state.moving.is_none());

@@ -15,7 +15,7 @@ pub(crate) struct Doubtful {
     starts: HashMap<u64, Vec<[Dd; 2]>>,
 }
 
-/// Returns true if the integration from a start fails; equal for mirror images.
+/// Returns true if the integration from a start fails; the same for mirror images.
 pub(crate) fn fails(angle: [Dd; 2]) -> bool {
     (40.0 * angle[0].hi).cos() > 0.95
 }

@@ -1,4 +1,4 @@
-//! Finer samples at edges: a pixel has the mean light of all of them.
+//! Finer samples at edges: a pixel shows the mean light of all its samples.
 
 use flipmap_numbers::Dd;
 use flipmap_render::tiles::cache::TILE_BYTES;
@@ -18,10 +18,10 @@ needs_adapter! {
     what_arrives_is_drawn_into_the_picture_that_is_kept
 }
 
-/// Samples along a pixel at the second finer level.
+/// Number of samples along each side of a pixel at the second finer level.
 const ALONG: u32 = 4;
 
-/// The sRGB value of linear light, by the formula of the standard.
+/// Returns the sRGB value of linear light, by the formula of the standard.
 pub(crate) fn encoded(light: f64) -> u8 {
     let curve = 1.055 * light.powf(1.0 / 2.4) - 0.055;
     let value = if light <= 0.003_130_8 { 12.92 * light } else { curve };

@@ -1,5 +1,5 @@
-//! The map drawn on the graphics card has the same colours as a picture painted on the processor:
-//! sample by sample, in mirror images, with stand-ins and with doubts.
+//! A map drawn on the graphics card has the same colours as a picture painted on the processor: for
+//! each sample, in mirror images, with stand-ins, and with doubts shown.
 
 #[macro_use]
 #[path = "../common/adapter.rs"]
@@ -59,13 +59,13 @@ fn scene(budget: f64) -> Scene {
     }
 }
 
-/// A common corner of four cells, around which some starts are forbidden, some flip, and some flip
-/// late.
+/// Returns a common corner of four cells, around which some starts are forbidden, some flip, and
+/// some flip late.
 fn middle() -> [Exact; 2] {
     corner_beside([1.2, 1.0], LEVEL)
 }
 
-/// A corner of the level's cell around these angles.
+/// Returns a corner of the cell of this level around these angles.
 fn corner_beside(angle: [f64; 2], level: u32) -> [Exact; 2] {
     let half = Exact::from_f64(side_rad(level) / 2.0);
     Cell::around(angle.map(Exact::from_f64), level).center().map(|theta| theta + half)
@@ -100,7 +100,7 @@ fn explored(screen: &Screen, scene: &Scene) -> Explorer {
     explorer
 }
 
-/// The starts under the pixels of a screen that shows one sample per pixel.
+/// Returns the start under each pixel of a screen that shows one sample per pixel.
 fn grid(screen: &Screen, scene: &Scene) -> Grid {
     let pixel = Dd::new(pitch_rad(screen.level()));
     Grid::square(scene, screen.camera.center, pixel, SIZE)
@@ -132,7 +132,7 @@ fn beyond(least: u8, pixels: &[u8], colours: &[Rgb]) -> f64 {
     pairs.filter(|(pixel, colour)| far(pixel, colour)).count() as f64 / colours.len() as f64
 }
 
-/// The share of pixels with a wrong colour. Both sides round theirs, so that they may differ by 1.
+/// Returns the share of pixels with a wrong colour. Both sides round, so colours may differ by 1.
 fn wrong(pixels: &[u8], colours: &[Rgb]) -> f64 {
     beyond(1, pixels, colours)
 }
@@ -191,7 +191,7 @@ mod checks {
             }
             last = pixels;
         }
-        // A wrong picture is detected as wrong.
+        // The comparison detects a wrong picture.
         let [plain, _, linear] = pictures();
         assert!(wrong(&last, &painted(&screen, &scene, &plain)) > 0.3, "another palette");
         let aside = screen.camera.moved(DVec2::splat(pitch_rad(LEVEL)));
@@ -227,7 +227,7 @@ mod checks {
         let pixels = studio.draw(&screen, &mut explorer, &first);
         let uploads = studio.uploads;
         assert!(uploads > 0 && wrong(&pixels, &painted(&screen, &scene, first.picture)) <= 0.001);
-        // Nor its colours.
+        // A frame that is thrown away does not change the colours of the next one either.
         studio.throw_away(&screen, &mut explorer, &second);
         let pixels = studio.draw(&screen, &mut explorer, &second);
         assert!(wrong(&pixels, &painted(&screen, &scene, second.picture)) <= 0.001);

@@ -1,4 +1,4 @@
-//! The map by a clock: flips up to a moment.
+//! The map at a moment of the clock: only flips up to that moment are shown.
 
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::palette::{Ground, Rgb, Tones};
@@ -12,7 +12,7 @@ needs_adapter! {
     a_moment_shows_the_flips_before_it_and_computes_nothing
 }
 
-/// The colours of the flips up to a moment; later ones are not there yet.
+/// Returns the colours of the map with only the flips up to a moment.
 fn painted_until(
     screen: &flipmap_window::camera::Screen,
     scene: &Scene,
@@ -33,12 +33,12 @@ mod checks {
     use super::*;
 
     pub(crate) fn a_moment_shows_the_flips_before_it_and_computes_nothing() {
-        // Some flip at about 12.2 s, and the others from 40 s on.
+        // Some starts flip at about 12.2 s, the others from 40 s on.
         let (screen, scene) =
             (crate::screen(corner_beside([2.0, 0.9], LEVEL), LEVEL), crate::scene(60.0));
         let mut explorer = explored(&screen, &scene);
         let simulated = explorer.counts().simulated;
-        // Colours in a table, and such as are painted on the way to the card.
+        // Colours from a table, and colours that are painted before the upload to the card.
         let fine = PictureTable { times: vec![10.0, 12.0, 12.01, 60.0], ..pictures()[0].clone() };
         for picture in [&pictures()[0], &fine] {
             let mut studio = Studio::new(PLAIN);

@@ -26,9 +26,9 @@ pub(crate) struct Studio {
     canvas: Canvas,
     pub map_renderer: MapRenderer,
     format: wgpu::TextureFormat,
-    /// Last moment of the flips that are drawn, if not the budget.
+    /// Time in s up to which flips are drawn; `None` for the whole budget.
     pub until_secs: Option<f64>,
-    /// Moment of the window's clock at which the next picture is drawn; none if nothing fades.
+    /// Time of the window's clock at which the next picture is drawn; `None` if nothing fades.
     pub now_secs: Option<f64>,
     /// Number of tiles that the last picture uploaded to the card.
     pub uploads: usize,

@@ -1,4 +1,4 @@
-//! Cells of which not all samples are known yet: each is drawn where it lies.
+//! Cells with only some samples known: each known sample is drawn in its place.
 
 use std::time::Instant;
 
@@ -19,7 +19,7 @@ needs_adapter! {
     the_samples_of_every_pass_are_drawn_where_they_lie
 }
 
-/// Returns the number of pixels whose sample is known, and of those among them with another colour.
+/// Returns the number of pixels with known samples, and how many of those have a wrong colour.
 fn compared(center: [Exact; 2], turns: usize) -> [usize; 2] {
     let scene = scene(30.0);
     let screen = screen(center, LEVEL);
@@ -52,7 +52,7 @@ mod checks {
 
     pub(crate) fn the_samples_of_every_pass_are_drawn_where_they_lie() {
         let all = (SIZE[0] * SIZE[1]) as usize;
-        // Cells of their own, and the mirror images of others.
+        // Cells that are computed, and mirror images of such cells.
         for angle in [[1.2, 1.0], [-1.2, -1.0]] {
             let center = corner_beside(angle, LEVEL);
             assert!(center[0].to_f64().abs() > 1.0);

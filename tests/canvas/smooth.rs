@@ -1,5 +1,5 @@
-//! Window and render by different ways: the same starts have the same colours, at every depth, and the
-//! same light from the side.
+//! The window and `render` draw by different code: the same starts have the same colours at every
+//! depth, and the same light from the side.
 
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
@@ -29,8 +29,8 @@ fn engine() -> DepthEngine<'static> {
     DepthEngine::new(Box::new(CpuEngine::new(None).unwrap()), None).unwrap()
 }
 
-/// A screen of one sample a pixel about as wide as a scene's view, around a common corner of cells
-/// near its centre.
+/// Returns a screen with one sample per pixel, about as wide as a scene's view, around a common
+/// corner of cells near the centre of the view.
 fn aligned(scene: &Scene) -> Screen {
     let pixel = scene.view.width_rad().hi / f64::from(SIZE[0]);
     let level = (0..).find(|&level| pitch_rad(level) <= pixel).unwrap();

@@ -25,7 +25,7 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
     let questions = compared(&[&at("fine.png"), &at("grown.png")]);
     assert_eq!(questions.status.code(), Some(2), "{questions:?}");
     assert!(error_of(&questions).contains("answers the question flip on"), "{questions:?}");
-    // Arrays do not tell what they answer.
+    // Arrays do not record the question that they answer.
     let arrays = compared(&[&at("fine.npy"), &at("grown.npy")]);
     assert!(
         error_of(&arrays).contains("more than 0.001 in the unit of the channel;"),
@@ -91,7 +91,7 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
         assert!(error_of(&output).contains(words), "{}", error_of(&output));
         assert!(!folder.path().join("never.png").exists());
     }
-    // A reader who leaves loses no verdict.
+    // The exit code is the same if the reader of the output has gone.
     let [a, b] = ["fine.npy", "coarse.npy"].map(at);
     let mut command = program(&folder, &["compare", &a, &b]);
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();

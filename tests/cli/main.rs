@@ -1,4 +1,4 @@
-//! The program through the command line: files, exit codes, one clear sentence for each mistake.
+//! The program on the command line: files, exit codes, and one clear sentence for each mistake.
 
 mod compare;
 mod mistakes;

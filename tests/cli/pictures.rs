@@ -118,7 +118,7 @@ fn films_are_lit_as_stills_are() {
     run(&[&film[..], &["flat"]].concat());
     let light = ["lit", "--relief", "0.8", "--light", "90", "--cache", "flat.samples"];
     run(&[&film[..], &light].concat());
-    // The last frame is mostly chaos, which is not lit.
+    // The last frame shows mostly chaos, which is not lit.
     for frame in ["000000.png", "000001.png"] {
         let both = |still: &str, of: &str| {
             let scene = format!("{of}/{frame}");
@@ -252,7 +252,7 @@ fn gradients_of_others_paint_and_stay_in_the_picture() {
     let listed = painted("#06080f,#c2471c,#ffe9c4", "list.png");
     assert_eq!(painted("ember.gpl", "file.png"), listed, "the picture holds the colours");
     assert_ne!(painted("#06080f,#c2471c,#ffe9c5", "other.png"), listed);
-    // The picture is a scene whose gradient needs no file.
+    // The picture is a scene that contains its gradient and needs no gradient file.
     fs::remove_file(at("ember.gpl")).unwrap();
     let again = flipmap(&folder, &["render", "file.png", "--engine", "cpu", "-o", "again.png"]);
     assert!(again.status.success(), "{}", error_of(&again));

@@ -1,4 +1,4 @@
-//! `flipmap report` through the command line: interrupted, misdirected, and refused.
+//! `flipmap report` on the command line: interrupted runs, wrong folders, and refusals.
 
 use std::fs;
 use std::process::{Child, Command, Output, Stdio};

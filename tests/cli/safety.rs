@@ -23,7 +23,7 @@ fn a_frame_that_is_a_link_is_refused_and_its_target_stays() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     done(&folder, &film("shots"));
-    // Even a picture of flipmap's is not the film's if it lies elsewhere.
+    // A picture by flipmap that lies outside the film's folder does not belong to the film.
     fs::rename(at("shots/000001.png"), at("precious.png")).unwrap();
     symlink("../precious.png", at("shots/000001.png")).unwrap();
     let precious = fs::read(at("precious.png")).unwrap();
@@ -48,7 +48,7 @@ fn pictures_of_others_under_the_names_of_frames_are_refused_and_stay() {
         assert!(error.contains(&format!("it holds {name}, which is not of a film")), "{error}");
         assert!(fs::read(&path).unwrap() == before);
     }
-    // A film that was killed between a frame's two files is continued.
+    // A film that was killed between writing the two files of a frame can be continued.
     let folder = folder();
     done(&folder, &film("shots"));
     fs::remove_file(folder.path().join("shots/manifest.json")).unwrap();
@@ -178,7 +178,7 @@ fn samples_that_cannot_be_kept_are_refused_in_a_sentence() {
         assert!(error.contains(why), "{cache}: {error}");
     }
     let long = format!("{}.mp4", "n".repeat(251));
-    // Whether or not there is an ffmpeg.
+    // Checked only if the program gets as far as the folder of the samples.
     if let (Some(1), error) = coded(&folder, &film(&long)) {
         assert!(error.contains("-o: the name nnn") && error.contains("no room for .samples"));
         done(&folder, &[&film(&long)[..], &["--cache", "kept"]].concat());

@@ -1,5 +1,6 @@
-//! Samples in the middle and in the corners of pixels: their colours, their price, and what stays as it
-//! is, tested through the command line against samples that the library computes one by one.
+//! Samples in the middle and in the corners of pixels: their colours, their cost, and the numbers
+//! that they do not change, compared on the command line with samples that the library computes one
+//! by one.
 
 use std::fs;
 use std::path::Path;
@@ -49,13 +50,13 @@ fn tints((scene, samples): &(Scene, Samples)) -> Vec<Tint> {
 
 const SIZE: [u32; 2] = [63, 47];
 
-/// The colours of a pixel's middle and of its corners, and whether each is sampled.
+/// The colours of a pixel's middle and of its corners; a flag tells if a corner is sampled.
 struct Around {
     middle: Tint,
     corners: [(Tint, bool); 4],
 }
 
-/// The picture as it should be, pixel by pixel.
+/// Returns the expected colours of the picture, pixel by pixel.
 fn around() -> Vec<Around> {
     let [width, height] = SIZE.map(|side| side as usize);
     let middles = tints(&samples(0.02, SIZE));
@@ -99,7 +100,7 @@ fn a_pixel_is_half_its_middle_and_an_eighth_of_each_corner_where_colours_change(
             let corners = around.corners.map(|pair| light_of(corner(pair), channel));
             encoded(light_of(around.middle, channel) / 2.0 + corners.iter().sum::<f64>() / 8.0)
         });
-        // Colours here were rounded before they were mixed.
+        // The test rounds colours before it mixes them, so they may differ by 2.
         assert!(pixel.0.iter().zip(expected).all(|(a, b)| a.abs_diff(b) <= 2), "{pixel:?}");
         mixed += usize::from(pixel.0.iter().zip(own).any(|(a, b)| a.abs_diff(b) > 20));
     }
@@ -122,12 +123,12 @@ fn a_picture_has_at_most_two_samples_a_pixel_and_its_numbers_are_those_of_one() 
     let [once, most] = [&one, &corners].map(|counts| counts["simulated"].as_u64().unwrap());
     assert!(most > once * 5 / 4 && most <= 2 * once + 351, "{most} after {once}");
     assert!(fs::read(at("one.npy")).unwrap() == fs::read(at("corners.npy")).unwrap());
-    // The scenes at the beginning of the images differ, but not the numbers that follow.
+    // The images differ only in the scenes at their beginning, not in the numbers that follow.
     let [a, b] = ["one.exr", "corners.exr"].map(|name| fs::read(at(name)).unwrap());
     let numbers = a.len() * 9 / 10;
     assert!(a[a.len() - numbers..] == b[b.len() - numbers..]);
     assert_ne!(pixels(&at("one.png")), pixels(&at("corners.png")));
-    // Numbers alone have no corners, and a picture opens again as it was sampled.
+    // An array alone needs no corners, and a picture opens again with its own sampling.
     let raw = self::render(&folder, &["filigree", "--size", "200x150", "--raw", "raw.npy"]);
     assert_eq!(raw["simulated"], one["simulated"]);
     for name in ["one", "corners"] {

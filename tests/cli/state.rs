@@ -27,7 +27,7 @@ fn same(folder: &TempDir, one: &str, other: &str) -> bool {
     read(one) == read(other)
 }
 
-/// True if two arrays of f64 agree to a thousandth.
+/// Returns true if two arrays of f64 agree to a thousandth.
 fn nearly_same(folder: &TempDir, one: &str, other: &str) -> bool {
     let read = |name: &str| {
         let bytes = fs::read(Path::new(folder.path()).join(name)).unwrap();
@@ -53,7 +53,7 @@ fn going_on_is_one_run(engine: &str, accuracy: &str) {
     assert_eq!(second["simulated"], first["unflipped"]);
     let evaluations = |object: &serde_json::Value| object["rhs_evaluations"].as_u64().unwrap();
     let (parts, whole) = (evaluations(&first) + evaluations(&second), evaluations(&whole));
-    // At most the steps that found a flip beyond the first budget are done twice.
+    // Only steps that found a flip beyond the first budget may be done twice.
     let most = whole + 100 * first["unflipped"].as_u64().unwrap();
     assert!((whole..=most).contains(&parts), "{parts} {whole}");
     // Running again to the same budget resumes only the unflipped pixels, and costs nothing.
@@ -79,7 +79,7 @@ fn on_an_adapter_going_on_is_one_run() {
     }
 }
 
-/// The options of questions, of a first run and of a later one.
+/// Options of each question, of its first run, and of its later run.
 const QUESTIONS: [(&[&str], &[&str], &[&str]); 6] = [
     (&["--ask", "state"], &["--at", "3"], &["--at", "8"]),
     (&["--ask", "first"], &["--budget", "3"], &["--budget", "8"]),
@@ -100,7 +100,7 @@ fn every_question_goes_on(engine: &str, accuracy: &str, questions: &[usize]) {
         let second = run(&[later, &["--raw", "b.npy", "--state", "s"]].concat());
         let whole = run(&[later, &["--raw", "c.npy"]].concat());
         if engine == "gpu" && (question.contains(&"growth") || question.contains(&"return")) {
-            // There the step that is cut at the first budget stays cut.
+            // On the card, the step that was cut at the first budget stays cut.
             assert!(nearly_same(&folder, "b.npy", "c.npy"), "{question:?} {accuracy}");
         } else {
             assert!(same(&folder, "b.npy", "c.npy"), "{question:?} {engine} {accuracy}");
@@ -116,7 +116,7 @@ fn on_the_processor_every_question_goes_on() {
     every_question_goes_on("cpu", "lesson", &[0, 1, 2, 3, 4]);
 }
 
-/// Compares a view continued from `first` to `later` options with one run to the later ones.
+/// Compares a view that is continued with `later` options after `first` ones with a single run.
 fn the_view_goes_on(view: &[&str], first: [&str; 2], later: [&str; 2]) {
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &[&str]| {

@@ -55,10 +55,10 @@ fn a_trace_has_the_columns_of_its_question() {
     assert!(counts[2] + counts[3] > 1.0, "{counts:?}");
     let (named, _, end) = last("state");
     assert_eq!(named, "turns1,turns2");
-    // What goes over to the left and not back is a turn.
+    // Turns are passes to the left less passes to the right.
     assert_eq!(numbers(&end), [counts[0] - counts[1], counts[2] - counts[3]]);
     let (named, _, end) = last("growth");
-    // The last `count` values of the same start's pixel.
+    // Returns the last `count` values of a pixel at the same start.
     let pixel = |ask: &str, count: usize| {
         let asked = ["--ask", ask, "--gravity", "1", "--budget", "8", "--size", "1x1"];
         let view = ["--center", "3,3", "--width", "1e-6", "--raw", "g.npy"];

@@ -78,7 +78,7 @@ fn what_others_wrote_is_never_replaced() {
     fs::write(at("f.txt"), "no frame").unwrap();
     done(&folder, &cached);
     assert_eq!(fs::read_to_string(at("c/download.part")).unwrap(), "half a file");
-    // A longer film's frames and the notes of others beside them.
+    // Frames of a longer film, with somebody else's notes beside them.
     fs::write(at("f/000007.txt"), "mine").unwrap();
     let longer = ["--vary", "time=0..2", "--frames", "5", "--size", "24x16", "-o", "f"];
     video(&folder, &longer);
@@ -112,7 +112,7 @@ fn films_of_other_questions_are_stills_one_after_another() {
         }
         let [first, last] = [0, 2].map(|k| pixels(&folder.path().join(format!("f/00000{k}.png"))));
         assert!(difference(&first, &last) > 5.0, "{words:?}: something changes");
-        // What is there is not made again: not even an engine's answer is needed.
+        // Existing frames are not made again.
         let made = fs::metadata(folder.path().join("f/000001.png")).unwrap().modified().unwrap();
         video(&folder, &[words, &how].concat());
         let again = fs::metadata(folder.path().join("f/000001.png")).unwrap().modified().unwrap();
@@ -125,7 +125,7 @@ fn a_legend_covers_its_corner_of_every_frame_of_flips() {
     let folder = folder();
     let what = ["--vary", "time=0..10", "--frames", "2", "--size", "320x200", "--samples", "1"];
     video(&folder, &[&what[..], &["-o", "plain"]].concat());
-    // The samples are there already.
+    // The samples exist already.
     let again = ["--legend", "--cache", "plain.samples", "-o", "with"];
     video(&folder, &[&what[..], &again].concat());
     let frames = |name: &str| {

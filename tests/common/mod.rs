@@ -89,7 +89,8 @@ pub(crate) fn scalar_rk4(question: &EventSpec, starts: &[[Dd; 2]]) -> Vec<Outcom
     starts.par_iter().map(|&angle| baseline::outcome(question, angle)).collect()
 }
 
-/// The share of answers with the true status and, if flipped, a time within `secs` of the true one.
+/// Returns the share of answers with the true status and, if flipped, within `secs` of the true
+/// time.
 pub(crate) fn share_within(secs: f64, answers: &[Outcome], truth: &[Outcome]) -> f64 {
     assert!(!truth.is_empty() && answers.len() == truth.len());
     let close = |(a, b): &(&Outcome, &Outcome)| {
@@ -98,7 +99,7 @@ pub(crate) fn share_within(secs: f64, answers: &[Outcome], truth: &[Outcome]) ->
     answers.iter().zip(truth).filter(close).count() as f64 / truth.len() as f64
 }
 
-/// The answers and true outcomes of the starts whose true flip comes before `secs`.
+/// Returns the answers and true outcomes of the starts that truly flip before `secs`.
 pub(crate) fn flips_before(
     secs: f64,
     answers: &[Outcome],

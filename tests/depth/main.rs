@@ -108,7 +108,7 @@ fn deep_pixels_are_those_of_pendulums_integrated_in_long_numbers() {
             truth.iter().filter(|o| o.status == Status::Answered).map(|o| o.time).collect();
         let spread = flips.iter().fold(0.0, |most, t| f64::max(most, (t - flips[0]).abs()));
         assert!(flips.len() > 12 && spread > 0.5, "no structure at {width}: {spread}");
-        // One of 24 pixels is a share of 0.04.
+        // One of the 24 pixels is a share of 0.04.
         for (config, least) in [(BALANCED, 0.95), (FAST, 0.83)] {
             let samples = samples(&scene, size, config, &mut engine(), 4096);
             let share = share_right(&samples, &pixels, &truth);
@@ -159,8 +159,8 @@ fn deep_job(scene: &Scene, size: [u32; 2], keep: Keep) -> Job {
     Job { id: 3, question, config: BALANCED, starts, keep }
 }
 
-/// A deep job's outcomes, and the number of starts that were told by their neighbours on a line. A
-/// job that keeps the ends of its pendulums integrates each of them.
+/// Returns a deep job's outcomes, and the number of starts answered from their neighbours on a
+/// line. A job that keeps the final states of its pendulums integrates each of them.
 fn answered(scene: &Scene, size: [u32; 2], keep: Keep) -> (Vec<Outcome>, u64) {
     let mut engine = engine();
     engine.submit(deep_job(scene, size, keep)).unwrap();
@@ -201,7 +201,7 @@ fn starts_on_lines_are_told_what_they_would_find_alone() {
 #[test]
 fn direct_integration_cells_and_lines_agree() {
     let size = [48, 36];
-    // With budgets that end before direct integration reaches its horizon.
+    // Widths and budgets, which end before direct integration reaches its horizon.
     let views = [
         ("1e-2", 26.0),
         ("1e-3", 26.0),
@@ -235,7 +235,7 @@ fn direct_integration_cells_and_lines_agree() {
 
 #[test]
 fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
-    // Regular flips, where both ways work: in double-double from rest, and through cells.
+    // At regular flips both methods work: in double-double from rest, and through cells.
     for width in ["3e-3", "1e-4", "1e-6", "1e-8", "1e-11"] {
         let scene = scene(["2.2", "-1.9"], width);
         let cells = samples(&scene, [16, 16], BALANCED, &mut engine(), 256);
@@ -249,8 +249,8 @@ fn the_seam_between_direct_integration_and_cells_cannot_be_seen() {
     }
 }
 
-/// A place θ2 of an edge of the region that flips within `secs` on the line of this θ1, between two places
-/// of which one does, by bisection.
+/// Finds by bisection a θ2 at which, for this θ1, flips within `secs` begin or end. Exactly one of
+/// the places `between` must flip in time.
 fn edge(theta1: &str, between: [&str; 2], secs: f64) -> String {
     let flips_early = |theta2: Fixed<4>| {
         let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();
@@ -292,7 +292,7 @@ fn a_grazing_edge_is_one_clean_line_at_every_depth() {
     }
 }
 
-/// θ1 = π, where the torus closes, to more digits than any of the views has.
+/// θ1 = π, where the torus closes, in more digits than any of the views need.
 const SEAM: &str = "3.14159265358979323846264338327950288419716939937510582097494459";
 
 #[test]
@@ -380,7 +380,7 @@ fn cancelled_deep_work_stops_at_once() {
     }
     let cancelled = Instant::now();
     engine.cancel();
-    // A slice that had begun goes on to its end, but no further: two units of 0.32 s.
+    // A slice that has begun runs to its end, but no further: two units of 0.32 s.
     let most_secs = following.secs().map_or(0.0, |[secs, _]| secs) + 0.7;
     while let Some([secs, _]) = following.secs() {
         assert!(secs < most_secs, "it goes on to {secs} s");

@@ -2,8 +2,8 @@
 
 use super::*;
 
-/// A place θ2 of the edge of the forbidden region on the line of this θ1, below which starts are forbidden,
-/// by bisection.
+/// Finds by bisection the θ2 of the edge of the forbidden region for this θ1. Starts below it are
+/// forbidden.
 fn rim(theta1: &str, between: [&str; 2], rule: Rule) -> String {
     let is_forbidden = |theta2: Fixed<4>| {
         let pendulum: Pendulum<Fixed<4>> = Scene::default().build.pendulum_in();

@@ -134,8 +134,8 @@ fn balanced_is_right_for_other_pendulums_and_rules(make: Make) {
     let mut engine = make();
     for mut scene in scenes() {
         if scene.question.rule == Rule::First {
-            // Only starts of high energy can satisfy this rule; after 15 s growth has consumed
-            // the digits of f64, for the gold standard in f64 as well.
+            // Only starts of high energy can satisfy this rule. After 15 s the growth of errors has
+            // consumed the digits of f64, those of the gold standard in f64 too.
             scene.question.budget.secs = 12.0;
         }
         let starts = open_starts(&scene, 48, 1);
@@ -244,7 +244,7 @@ fn stopping_and_going_on_changes_nothing(make: Make) {
         }
         let outcomes: Vec<Outcome> = outcomes.into_iter().flatten().collect();
         assert_eq!(outcomes, whole.outcomes, "{config:?}");
-        // At most the step around each stop is done twice.
+        // Only the step around each stop may be done twice.
         let most = whole.effort.rhs_evaluations + 5 * 40 * starts.len() as u64;
         assert!((whole.effort.rhs_evaluations..=most).contains(&evaluations), "{config:?}");
     }

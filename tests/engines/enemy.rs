@@ -35,7 +35,7 @@ fn view(center: [&str; 2], width: &str) -> View {
     View { center: center.map(str::to_string), width: width.to_string(), ..View::default() }
 }
 
-/// Samples of a picture that `engine` computes with every pixel checked.
+/// Returns the samples of a picture in which `engine` checks every pixel.
 fn checked_by(
     engine: Box<dyn Engine>,
     scene: &Scene,
@@ -66,7 +66,7 @@ fn truths(scene: &Scene, side: u32, every: usize) -> Vec<(usize, Outcome)> {
     places.into_par_iter().map(truth).collect()
 }
 
-/// The answers that are wrong and unmarked, and the number of marked pixels.
+/// Returns the answers that are wrong and unmarked, and the number of marked pixels.
 fn judged(scene: &Scene, samples: &Samples, truths: &[(usize, Outcome)]) -> (Vec<String>, usize) {
     let right = right_secs(scene.build.unit_secs());
     let marked = |place: usize| samples.trust(place) == Trust::Uncertain;

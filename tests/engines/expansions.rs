@@ -26,7 +26,7 @@ fn soon(rule: Rule, passes: u32) -> EventSpec {
     EventSpec { rule, passes, budget_secs: 4.0, ..question(&Scene::default()) }
 }
 
-/// The results of both engines, with all ends.
+/// Returns the results of both engines, with all final states.
 fn on_both(question: EventSpec, starts: &[[Dd; 2]]) -> [JobResult; 2] {
     let ended = |engine: &mut dyn Engine| {
         let starts = Starts::Rest(starts.to_vec());
@@ -50,8 +50,8 @@ mod checks {
         let starts = open_starts(&Scene::default(), 64, 1);
         for rule in [Rule::Second, Rule::Either] {
             let [gpu, cpu] = on_both(soon(rule, 1), &starts);
-            // Pendulums that do not flip end with the last step of the budget, and steps differ a little
-            // in length.
+            // A pendulum that does not flip ends with the last step of the budget, and steps differ
+            // slightly in length.
             let flipped = gpu.outcomes.iter().map(|outcome| outcome.status == Status::Answered);
             let ends = gpu.ends.iter().zip(&cpu.ends).zip(flipped);
             let ends: Vec<(&FinalState, &FinalState)> =
@@ -63,7 +63,7 @@ mod checks {
                 assert!((0..6).all(|i| apart(i) < 1e-8), "{a:?} and {b:?}");
                 assert_eq!(a.clearance == 0.0, b.clearance == 0.0, "{a:?} and {b:?}");
             }
-            // Clearances are bounds, which depend on the parts that a step is cut into.
+            // Clearances are bounds, which depend on how a step is divided.
             let near = ends.iter().filter(|(a, b)| a.clearance.min(b.clearance) > 0.0);
             let ratios: Vec<f64> = near.map(|(a, b)| (a.clearance / b.clearance).ln()).collect();
             let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
@@ -80,7 +80,7 @@ mod checks {
             });
             assert_eq!(gpu, cpu, "{rule}");
             assert!(gpu.iter().flatten().sum::<u32>() > 1000);
-            // Both bobs, in both senses, some more than once.
+            // Both bobs pass, in both directions, some more than once.
             let counted = |place: usize| gpu.iter().map(move |passes| passes[place]).max();
             let most: Vec<u32> = (0..4).filter_map(counted).collect();
             let watched = if rule == Rule::Either { 0 } else { 2 };

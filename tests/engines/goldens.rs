@@ -1,9 +1,9 @@
 //! Small pictures, compared with golden pictures that were inspected by eye.
 //!
 //! There are two tolerances: one for the error of a channel, and one for the share of pixels that
-//! exceed it. In chaotic places correct engines differ, which the share allows for; the channel
+//! exceed it. In chaotic places correct engines differ; the share allows for that, and the channel
 //! tolerance is never widened. The pictures and their differences are written to
-//! `target/goldens`, also when a golden is missing, which fails the test.
+//! `target/goldens`, even if a golden is missing, which fails the test.
 //! `FLIPMAP_UPDATE_GOLDENS=1` replaces the goldens.
 
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ fn goldens() -> Vec<Golden> {
     let plain = PictureTable::default();
     let mut home = BuiltIn::home().document().scene();
     home.view = home.view.fitted(SIZE.map(f64::from));
-    // The default of the first versions, whose pictures must open as they were.
+    // The default of the first versions; their pictures must still open unchanged.
     let first = PictureTable { palette: "batlow".into(), ..plain.clone() };
     vec![
         Golden { name: "home", scene: home, picture: plain.clone(), wrong: 0.05 },

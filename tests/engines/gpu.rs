@@ -47,11 +47,11 @@ needs_adapter! {
     buffers_beyond_the_limits_are_refused_in_words
 }
 
-/// The job in f32, whatever is asked for.
+/// Returns the job in f32, whatever its precision.
 fn in_f32(job: Job) -> Job {
     let config = IntegratorConfig { precision: Precision::F32, ..job.config };
     let config = match config.method {
-        // Nobody asks for f32 in higher orders.
+        // f32 is never requested with a method of higher order.
         Method::Dop853 { .. } | Method::Taylor { .. } => Accuracy::Fast.configs()[0],
         _ => config,
     };
@@ -135,7 +135,7 @@ mod checks {
             ..EngineRequest::default()
         };
         let mut engine = choose(&request, &|_| {}).unwrap().engine;
-        // The checks of its trust have other tolerances, and methods that it leaves to the processor.
+        // Checks use other tolerances, and methods that a software adapter leaves to the processor.
         assert!(engine.offers(&Accuracy::Fast.configs()[0]));
         assert_eq!(engine.offers(&FINEST), !is_software(&gpu_engine().gpu().adapter));
         assert!(!engine.offers(&IntegratorConfig { precision: Precision::Dd, ..FINEST }));
@@ -147,7 +147,8 @@ mod checks {
         let gpu_secs = after.gpu_secs - before.gpu_secs;
         assert!(gpu_secs > 0.0 && gpu_secs < secs, "{gpu_secs} of {secs} s");
         assert!(after.compile_secs > 0.0 && after.host_wait_secs > 0.0);
-        // 24 bytes of state and a place in the list go up, and 8 bytes of outcome come down.
+        // Each start uploads 24 bytes of state and its list index, and downloads 8 bytes of
+        // outcome.
         let count = starts.len() as u64;
         assert!(after.upload_bytes - before.upload_bytes > 28 * count);
         assert!(after.download_bytes - before.download_bytes > 8 * count);
@@ -199,7 +200,7 @@ mod checks {
         }
     }
 
-    /// The question at one of the positions of a slider of masses.
+    /// Returns the question at one position of a slider of masses.
     fn slid(step: u32) -> EventSpec {
         let masses = [1.0, 1.5 + 0.01 * f64::from(step)].map(Decimal::from);
         let build = PendulumSpec { masses, ..PendulumSpec::default() };
@@ -235,7 +236,8 @@ mod checks {
         let mut engine = gpu_engine();
         engine.tune(GpuTuning { at_once: true, ..GpuTuning::default() });
         answers(&mut engine, &slid(0), config, &starts);
-        // The kernel of the orbits, the general one, and perhaps one at which the machine stalled.
+        // The kernel that checks orbits, the general one, and perhaps one compiled while the
+        // machine stalled.
         let before = engine.kernel_count();
         for step in 1..40 {
             engine.begin_picture();
@@ -243,7 +245,7 @@ mod checks {
         }
         let after = engine.kernel_count();
         assert!(after <= before + 2, "{after} kernels after {before}");
-        // Without a general kernel every scene has its own, and the oldest give way.
+        // Without a general kernel every scene has its own kernel, and the oldest are dropped.
         engine.tune(GpuTuning::default());
         let first = answers(&mut engine, &slid(1), config, &starts);
         for step in 2..MAX_KERNELS as u32 + 4 {
@@ -311,7 +313,8 @@ mod checks {
             assert!(verdict.df32, "{:?}", verdict.checks);
             verdict.pairs
         };
-        // Multiply-adds that round twice, products that lose their errors, and sums that do.
+        // Multiply-adds that round twice, products that lose their errors, and sums that lose
+        // theirs.
         let twice = |text: String| text.replace("fma(a, b, -product)", "0.0");
         let folded = |text: String| text.replace("fma(a, one(zero), b)", "(a + b) * 1.0000001");
         assert_eq!(pairs(&|text| folded(twice(text))), Pairs::Results);
@@ -327,7 +330,7 @@ mod checks {
         let checks = selfcheck::orbits(&mut engine, &configs).unwrap();
         assert_eq!(checks.len(), configs.len());
         assert!(checks.iter().all(|check| check.passed), "{checks:?}");
-        // f32 in the place of f64 is what a check of f64 must notice.
+        // A check of f64 must detect an engine that computes in f32 instead.
         let mut pretender = Rewritten { engine: gpu_engine(), rewrite: in_f32 };
         let checks = selfcheck::orbits(&mut pretender, &configs[1..]).unwrap();
         assert!(checks.iter().filter(|c| c.precision == Precision::F64).all(|c| !c.passed));

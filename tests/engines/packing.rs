@@ -21,8 +21,8 @@ fn result(engine: &mut GpuEngine, keep: Keep, job: &Job) -> JobResult {
     engine.poll(Wait::UntilFinished).unwrap().remove(0)
 }
 
-/// The results of a job by an engine, packed and whole, without the states that only the second has
-/// and without the room in lanes, which depends on time. They are too long to print where they differ.
+/// Returns the results of a job, packed and unpacked. States, which only the second has, and lane
+/// steps, which depend on timing, are removed. The results are too long to print if they differ.
 fn both(engine: &mut GpuEngine, job: &Job) -> [JobResult; 2] {
     [Keep::NOTHING, Keep::STATES].map(|keep| {
         let mut result = result(engine, keep, job);
@@ -32,7 +32,7 @@ fn both(engine: &mut GpuEngine, job: &Job) -> [JobResult; 2] {
     })
 }
 
-/// The job of a home map of this many pixels along a side.
+/// Returns the job of a home map with this many pixels along each side.
 fn job(question: EventSpec, config: IntegratorConfig, side: u32) -> Job {
     let starts = Starts::Rest(open_starts(&Scene::default(), side, 1));
     Job { id: 7, question, config, starts, keep: Keep::NOTHING }
@@ -69,7 +69,7 @@ mod checks {
             let (question, config) = (question(&Scene::default()), lesson(precision));
             let soon = EventSpec { budget_secs: 1.0, ..question };
             let begun = result(&mut engine, Keep::STATES, &job(soon, config, 24));
-            // As if each had taken so many steps before that nine of them fill a word.
+            // Adds so many earlier steps to each pendulum that the steps of nine fill a word.
             let before = u32::MAX / 9;
             let late = |(_, state): (usize, IntegratorState)| IntegratorState {
                 steps: state.steps + before,
@@ -89,7 +89,7 @@ mod checks {
 
     pub(crate) fn packed_outcomes_are_a_third_of_the_bytes() {
         let mut engine = gpu_engine();
-        // The lengths of lists after each submission, and the work.
+        // Bytes of the list lengths after each submission, and of the work counts.
         let (progress, work) = (272, 32);
         let adaptive = Method::Dop853 { tolerance: 1e-12 };
         for (config, packed) in [

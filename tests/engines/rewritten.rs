@@ -1,5 +1,5 @@
-//! A graphics card whose jobs are changed on the way, with nothing that an engine may offer beyond what
-//! it must: it makes every check itself, where one in software leaves expansions to the processor.
+//! A graphics card whose jobs are changed on the way. It implements only the required methods of an
+//! engine, so it makes every check itself; a software adapter leaves expansions to the processor.
 
 use flipmap_engine::gpu::GpuEngine;
 use flipmap_engine::{Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Wait};

@@ -17,7 +17,7 @@ fn balanced() -> IntegratorConfig {
     Accuracy::Exact.configs()[0]
 }
 
-/// The scene of a window beside the energy curve, where flips come late, or in the filigree.
+/// Returns the scene of a window: near the energy curve, where flips come late, or in the filigree.
 fn window(center: [&str; 2], width: &str, budget: f64) -> Scene {
     let center = center.map(str::to_string);
     let view = View { center, width: width.to_string(), ..View::default() };
@@ -28,7 +28,7 @@ fn window(center: [&str; 2], width: &str, budget: f64) -> Scene {
     }
 }
 
-/// The gold standard's answers in double-double, from all digits of the starts.
+/// Returns the gold standard's answers in double-double, from all digits of the starts.
 fn truth_in_dd(scene: &Scene, starts: &[[Dd; 2]]) -> Vec<Outcome> {
     let question = question(scene);
     let pendulum: Pendulum<Dd> = question.build.pendulum_in();

@@ -39,7 +39,7 @@ pub(crate) fn target(center: [f64; 2], level: u32) -> ViewTarget {
     }
 }
 
-/// A view in which most pendulums flip and some do so late.
+/// A view in which most pendulums flip, some of them late.
 pub(crate) fn lively(level: u32) -> ViewTarget {
     target([2.0, 1.0], level)
 }
@@ -135,7 +135,7 @@ pub(crate) fn truth(target: &ViewTarget, cell: Cell) -> Vec<Outcome> {
     (0..SIDE * SIDE).map(outcome).collect()
 }
 
-/// The cell from which a job's first start comes, searched for among the given levels.
+/// Finds the cell of a job's first start, among the given levels.
 pub(crate) fn cell_of(angle: [Exact; 2], levels: &[u32]) -> Cell {
     let fits = |level: &&u32| {
         let cell = Cell::around(angle, **level);

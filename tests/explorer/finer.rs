@@ -1,4 +1,4 @@
-//! Finer samples at edges, which come last and only where they show something.
+//! Finer samples at edges, which are computed last and only where they change the picture.
 
 use flipmap_engine::Engine;
 use flipmap_pendulum::Status;
@@ -9,15 +9,15 @@ use flipmap_scene::lattice::SAMPLES;
 use super::common::*;
 use super::ledger::Ledger;
 
-/// The level of the views; at it, a view of two or three cells has an edge across it.
+/// The level of the views; a view of two or three cells of this level contains an edge.
 const LEVEL: u32 = 6;
 
 fn smoothed() -> ViewTarget {
     ViewTarget { refinements: 2, ..lively(LEVEL) }
 }
 
-/// Numbers of samples of finer cells that were known, and that have another status or time than the
-/// mock engine's formula.
+/// Returns the number of known samples of finer cells, and how many of them differ from the mock
+/// engine's formula in status or time.
 fn compared(explorer: &mut Explorer, target: &ViewTarget, level: u32) -> [usize; 2] {
     let mut counts = [0, 0];
     for cell in cells(target, level) {
@@ -67,7 +67,7 @@ fn a_view_is_complete_before_them_and_a_pointer_does_not_begin_them_again() {
     let pointer = Some([0.0, 0.001]);
     explorer.target(&ViewTarget { pointer, ..smoothed() });
     assert!(explorer.progress().refines && engine.cancels == 0);
-    // What moves on needs none of them.
+    // A view that asks for no finer samples drops that work.
     explorer.target(&ViewTarget { pointer, ..lively(LEVEL) });
     explorer.work(&mut engine, None).unwrap();
     assert!(explorer.is_done() && !explorer.progress().refines);
@@ -103,7 +103,7 @@ fn a_larger_budget_computes_them_anew_where_nothing_had_flipped() {
         let [samples, wrong] = compared(&mut explorer, &later, level);
         assert!(samples > 0 && wrong == 0, "level {level}: {wrong} of {samples}");
     }
-    // Nor is a cell of the view drawn, or computed again and again, that was known to less.
+    // A cell known only to a smaller budget is neither drawn nor computed again and again.
     let sent = engine.jobs.len();
     for refinements in [0, 2, 1, 2] {
         explorer.target(&ViewTarget { refinements, ..later.clone() });

@@ -1,5 +1,5 @@
-//! The mock engine behind a ledger, which records the time span over which each pendulum was
-//! simulated and detects spans that were simulated twice.
+//! A mock engine with a ledger that records the time span over which each pendulum was simulated,
+//! and detects spans that were simulated twice.
 
 use std::collections::{HashMap, HashSet};
 
@@ -26,9 +26,9 @@ pub(crate) struct Ledger {
     pub mock: MockEngine,
     /// True if the next poll fails and drops the jobs in flight, as a lost device does.
     pub fail_poll: bool,
-    /// Number of polls that find nothing before one that does.
+    /// Number of polls without a result before each poll that has one.
     idle_polls: usize,
-    /// True if cancelled jobs are answered all the same.
+    /// True if the engine ignores cancellation and answers the jobs.
     pub deaf: bool,
     /// Number of pendulums simulated twice over the same time.
     pub again: usize,
@@ -37,7 +37,7 @@ pub(crate) struct Ledger {
     pub cancels: usize,
     /// The submitted jobs, each with only the first of its starts.
     pub jobs: Vec<Job>,
-    /// Numbers of their starts.
+    /// Number of starts of each submitted job.
     pub counts: Vec<usize>,
     /// Numbers of starts submitted from rest, and of starts submitted to be resumed.
     pub sent: [usize; 2],
@@ -80,7 +80,7 @@ impl Ledger {
         Ledger { mock, ..Ledger::default() }
     }
 
-    /// A ledger of an engine that finishes nothing in two of three frames.
+    /// Makes the ledger of an engine that finishes nothing in two of three frames.
     pub(crate) fn slow() -> Self {
         Ledger { idle_polls: 2, ..Ledger::default() }
     }

@@ -37,7 +37,7 @@ fn passes_follow_each_other_and_each_begins_with_what_is_near() {
         let mut engine = Ledger::default();
         explored(&target, &mut engine);
         let cells = cells_of(&engine.jobs, &[6, 9]);
-        // The new samples of a pass are those that the pass before does not have.
+        // The new samples of a pass are those that the pass before it lacks.
         let pass = |(cell, count): (&Cell, &usize)| match (cell.level, count) {
             (9, 64) => 0,
             (6, 1024) => 1,
@@ -75,7 +75,7 @@ fn every_pass_adds_its_samples_to_the_progress() {
     for pass in [1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0] {
         assert!(shares.contains(&pass), "the end of a pass is missing: {shares:?}");
     }
-    // A larger budget begins anew.
+    // With a larger budget the work begins again.
     explorer.target(&ViewTarget { budget_secs: target.budget_secs + 1.0, ..target });
     assert_eq!(explorer.progress().share, 0.0);
 }
@@ -90,7 +90,7 @@ fn large_cards_get_jobs_of_many_cells() {
         explored(&ViewTarget { region, ..lively(9) }, &mut engine);
         (engine.jobs.len(), engine.counts.into_iter().max().unwrap())
     });
-    // Eight cells in a job of the last pass, and 128.
+    // A job of the last pass has eight cells, then 128.
     let [(many, small), (few, large)] = jobs;
     assert!(many > 5 * few && large > 10 * small, "{jobs:?}");
 }

@@ -1,4 +1,4 @@
-//! Tiles of other questions and planes show what a picture of the same starts shows.
+//! Tiles of other questions and planes show the same as a picture of the same starts.
 
 use flipmap_engine::IntegratorConfig;
 use flipmap_engine::cpu::CpuEngine;

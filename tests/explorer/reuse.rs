@@ -61,8 +61,8 @@ fn another_view_begins_another_picture_and_a_moving_pointer_does_not() {
     assert_eq!(pictures(&ViewTarget { budget_secs: 60.0, ..view }), 1);
 }
 
-/// Number of unflipped samples in the known cells of the view and the ring around it, at the
-/// level of the view.
+/// Counts the unflipped samples in the known cells of the view and the ring around it, at the level
+/// of the view.
 fn unflipped(explorer: &mut Explorer, target: &ViewTarget) -> usize {
     let cells = target.region.scaled(3.0).cells(target.level, MAX_CELLS);
     let cells: HashSet<Cell> = cells.into_iter().map(|placed| placed.cell.canonical().0).collect();

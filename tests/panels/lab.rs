@@ -91,7 +91,7 @@ fn the_map_is_explained_and_its_pendulum_switched() {
     harness.get_by_label_contains("24.39 %");
 }
 
-/// The explanation of the map of a document.
+/// Returns the panel that explains the map of a document.
 fn explanation(document: Document) -> Harness<'static, Document> {
     let show = |ui: &mut egui::Ui, document: &mut Document| {
         let kind = flips::explain(ui, document, &flips::Seen::default());
@@ -120,7 +120,7 @@ fn the_explanation_is_true_for_the_palette_the_rule_and_the_plane() {
     harness.get_by_label_contains("The black line");
     harness.get_by_label_contains("the first bob takes");
     harness.get_by_label_contains("the first rod upright and the second hanging");
-    // Pendulums that are thrown have no curve, and other questions no flip.
+    // A map of thrown pendulums has no curve, and other questions have no flips.
     other.plane = BuiltIn::named("thrown").unwrap().document().plane;
     let harness = explanation(other);
     harness.get_by_label_contains("its own (ω1, ω2)");
@@ -164,7 +164,7 @@ fn the_keyboard_reaches_the_controls() {
     assert!(before.iter().zip(&after).all(|(before, after)| before != after), "{after:?}");
 }
 
-/// The areas of all texts that were drawn, as far as they are seen.
+/// Returns the visible areas of all texts that were drawn.
 fn texts(shapes: &[egui::epaint::ClippedShape]) -> Vec<(egui::Rect, String)> {
     let mut found = Vec::new();
     for clipped in shapes {
@@ -201,8 +201,8 @@ fn the_ring_of_an_arc_turns_its_rod() {
     let mut harness = figure(Figure::Double, 0.0);
     harness.state_mut().lab.playing.paused = true;
     let canvas = harness.get_by_label_contains("θ1 is 0.800 rad").rect();
-    // The first arc's ring is nearer to the pivot than to any bob, at 0.3 of the first rod, which
-    // is as long as half of the reach.
+    // The ring of the first arc is nearer to the pivot than to any bob: at 0.3 of the first rod,
+    // whose length is half of the reach.
     let reach = 0.5 * canvas.size().min_elem() - 28.0;
     let ring = |theta: f32| canvas.center() + 0.15 * reach * vec2(theta.sin(), theta.cos());
     drag(&mut harness, ring(0.8), ring(-0.5) - ring(0.8));
@@ -326,7 +326,7 @@ mod goldens {
         let builder = Harness::builder().with_size(SIZE).with_theme(Theme::Dark);
         let mut harness = builder.build_ui(show);
         harness.run_steps(3);
-        // Where neighbours flip at unrelated times, other last bits of a processor change colours.
+        // In chaotic parts, last bits that differ between processors change colours.
         let options = SnapshotOptions::new().max_failed_pixels(4000);
         harness.snapshot_options("lab_map", &options);
     }

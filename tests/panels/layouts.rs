@@ -1,5 +1,4 @@
-//! No arithmetic of the layout panics, whatever the size of the window, its scale, and where the wheel
-//! is turned.
+//! The layout never panics, whatever the window's size and scale and wherever the wheel is turned.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -18,7 +17,7 @@ use flipmap_window::pin_start::PinStart;
 use flipmap_window::pins::{PinAction, Pins};
 use proptest::prelude::*;
 
-/// A moment of a window: its size in pixels, its scale, and a turn of the wheel at a place in it.
+/// The state of a window in a frame: size in pixels, scale, and a turn of the wheel at some place.
 #[derive(Clone, Copy, Debug)]
 struct Moment {
     size: [f32; 2],

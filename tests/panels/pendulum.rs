@@ -188,7 +188,7 @@ fn of_a_forbidden_pixel_only_what_makes_sense_is_said() {
     for row in ["Both", "Flip, one pixel away"] {
         assert!(shown.query_by_label(row).is_none(), "{row}");
     }
-    // A map that says otherwise is worth a word.
+    // A note appears if the map has another answer.
     pins = shown.into_state().pins;
     pins.tell(ids[0], (Outcome::flipped(3.0), Trust::Agreed));
     let shown = harness(pins, Theme::Dark);

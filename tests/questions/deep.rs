@@ -82,7 +82,7 @@ fn exponent(scene: &Scene, k: u32) -> f64 {
     map.log_growth() / secs
 }
 
-/// True for each pixel whose state is right within 1e-3 rad, with its turns.
+/// Returns true for each pixel whose state is right within 1e-3 rad, including its turns.
 fn right(samples: &Samples, truths: &[State<f64>]) -> Vec<bool> {
     let is_right = |(k, truth): (usize, &State<f64>)| {
         let values = samples.values(k);
@@ -137,7 +137,7 @@ fn deep_growth_is_that_of_tangents_along_motions_in_long_numbers() {
     scene.question.ask = QuestionName::Growth;
     let last = scene.question.budget.secs;
     let some: Vec<usize> = (0..COUNT).step_by(5).collect();
-    // While all swing together, and when they no longer do.
+    // First while all pendulums swing together, then after they have separated.
     for (part, least_apart, least_by_f32) in [(0.6, 0.0, 1.0), (1.0, 0.02, 0.3)] {
         scene.question.budget = Budget { secs: part * last, ..Budget::default() };
         let truths: Vec<f64> = some.par_iter().map(|k| exponent(&scene, *k as u32)).collect();

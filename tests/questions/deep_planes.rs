@@ -83,7 +83,7 @@ fn outcome(scene: &Scene, start: &State<Long>, secs: f64) -> Outcome<Long> {
     oracle::outcome_from(&pendulum, start, rule, Long::from_f64(secs))
 }
 
-/// A place on the way from one place to another, at which the flip's time jumps.
+/// Finds a place on the line between two places at which the flip time jumps.
 fn jump(plane: &Plane, ends: [[f64; 2]; 2], secs: f64) -> [Long; 2] {
     let scene = Scene { plane: plane.clone(), ..Scene::default() };
     let time = |at: &[Long; 2]| match outcome(&scene, &start(plane, *at), secs) {
@@ -107,7 +107,7 @@ fn jump(plane: &Plane, ends: [[f64; 2]; 2], secs: f64) -> [Long; 2] {
     a.0
 }
 
-/// Planes with places around which flips jump, in the first 8 s.
+/// Planes, each with two places between which the flip time jumps within the first 8 s.
 fn places() -> [(Plane, [[f64; 2]; 2]); 4] {
     [
         (plane("speeds", ["0.4", "-0.3", "0", "0"]), [[6.0, 4.0], [8.0, -6.0]]),

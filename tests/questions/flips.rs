@@ -201,8 +201,8 @@ fn scene_of_flips() -> Scene {
     scene(QuestionName::Flip, plane("second", ["-2", "0", "4", "0"]), "9", 8.0)
 }
 
-/// Rounding can put a bob that is exactly at the top on either side of it. When each side counted as a
-/// pass, the count of a start of this picture never ended.
+/// Rounding can put a bob that is exactly at the top on either side of it. When each change of side
+/// counted as a pass, the count of one start in this picture never ended.
 #[test]
 fn counts_in_fixed_steps_end() {
     let folder = tempfile::tempdir().unwrap();

@@ -73,7 +73,7 @@ fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
     assert!(refused.contains("omit `state`"), "{refused}");
 }
 
-/// The finest configuration of all.
+/// The most precise configuration.
 const DD: IntegratorConfig =
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-25 }, precision: Precision::Dd };
 
@@ -104,7 +104,7 @@ fn the_card_finds_the_returns_that_the_processor_does() {
         for config in [BALANCED, FAST, lesson(Precision::F64), lesson(Precision::F32)] {
             let by_card = rendered(&scene, 12, config, Box::new(gpu_engine()));
             let by_cpu = by_cpu(&scene, 12, config);
-            // Lanes and cards round f32 differently, and chaos enlarges that.
+            // Lanes and cards round f32 differently, and chaos amplifies the difference.
             let [near, soon] =
                 if config.precision == Precision::F32 { [1e-3, 1e-3] } else { [1e-6, 1e-4] };
             let is_same = |k: &usize| {
@@ -119,7 +119,7 @@ fn the_card_finds_the_returns_that_the_processor_does() {
     }
 }
 
-/// Pairs of f32 keep far more than f32, so they agree with f64; the kernel takes long to compile.
+/// Pairs of f32 have many more digits than f32, so they agree with f64. The kernel compiles slowly.
 #[test]
 #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
 fn pairs_of_floats_find_the_returns_of_f64() {
@@ -156,7 +156,7 @@ fn sure_exponents_and_returns_are_right_and_those_beyond_the_horizon_are_marked(
     let (_, beyond) = checked(&scene(QuestionName::Growth, 120.0), 9);
     assert!(beyond > 40, "only {beyond} of 81 are marked after 120 s");
 
-    // What is sure agrees with another run of the same start.
+    // Pixels that are not marked agree with another run of the same start.
     let returns = scene(QuestionName::Return, 6.0);
     let (samples, uncertain) = checked(&returns, 9);
     assert!(uncertain < 30, "{uncertain} of 81 are uncertain");

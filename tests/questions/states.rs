@@ -137,7 +137,7 @@ fn friction_slows_every_method_alike() {
     scene.build.friction = [0.2, 0.1].map(Decimal::from);
     for config in ALL_METHODS {
         let share = share_of_right_states(&scene, 10, &by_cpu(&scene, 10, config), 1e-3);
-        // f32 is far from 1e-3 rad after 6 s of fast chaos.
+        // The error of f32 is far above 1e-3 rad after 6 s of fast chaos.
         let least = if config == FAST { 0.8 } else { 0.98 };
         assert!(share >= least, "{config:?}: {share}");
     }
@@ -146,9 +146,9 @@ fn friction_slows_every_method_alike() {
     assert!(share_of_right_states(&scene, 10, &samples, 1e-3) < 0.1, "the test can fail");
 }
 
-/// Checks that a hundred times the budget costs an engine next to nothing where friction has brought all
-/// pendulums to rest, and changes no answer. How far it goes on depends on the length of slices, but no
-/// more than `factor`.
+/// Checks that if friction has brought all pendulums to rest, a budget a hundred times as large
+/// changes no answer and costs at most `factor` times as much. The cost depends on the length of
+/// slices.
 fn rests(
     ask: QuestionName,
     config: IntegratorConfig,
@@ -183,7 +183,7 @@ fn what_friction_has_brought_to_rest_is_done_by_every_method() {
 fn what_friction_has_brought_to_rest_is_done_on_a_card() {
     for config in [lesson(Precision::F32), FAST, BALANCED] {
         for ask in [QuestionName::Flip, QuestionName::Flips] {
-            // A slice of a busy machine lasts for many budgets.
+            // On a busy machine one slice can last for many budgets.
             rests(ask, config, 30.0, &|| Box::new(gpu_engine()));
         }
     }
@@ -196,7 +196,7 @@ fn what_friction_takes_is_what_energy_loses() {
     let [b1, b2] = pendulum.friction.unwrap();
     let begin = State { angle: [2.5, -1.0], speed: [3.0, 8.0] };
     let mut orbit = Orbit::new(pendulum, begin);
-    // Five points of Gauss and Legendre in each step of the expansion.
+    // Gauss-Legendre quadrature with five points in each step of the expansion.
     let nodes = [0.0, 0.538_469_310_105_683_1, 0.906_179_845_938_664];
     let weights = [0.568_888_888_888_888_9, 0.478_628_670_499_366_5, 0.236_926_885_056_189_1];
     let mut work = 0.0;

@@ -1,4 +1,4 @@
-//! Scenes, answers, and the truth about them by the gold standard.
+//! Helpers for tests of questions: scenes, answers, and true answers by the gold standard.
 
 use std::f64::consts::{PI, TAU};
 
@@ -43,7 +43,7 @@ pub(crate) fn by_cpu(scene: &Scene, side: u32, config: IntegratorConfig) -> Samp
     rendered(scene, side, config, Box::new(CpuEngine::new(Some(2)).unwrap()))
 }
 
-/// The start of a pixel with its speeds; none if it is forbidden.
+/// Returns the start of a pixel with its speeds, or `None` if it is forbidden.
 pub(crate) fn start(scene: &Scene, side: u32, k: u32) -> Option<State<Dd>> {
     match Grid::new(scene, [side; 2]).fate(k % side, k / side) {
         Fate::Known(_) => None,
@@ -87,14 +87,14 @@ pub(crate) fn apart(a: f64, b: f64) -> f64 {
     by.min(TAU - by)
 }
 
-/// Share of a scene's pixels whose state is right within `most` rad, with right turns and speeds
-/// within ten times that.
+/// Returns the share of a scene's pixels whose state is right: angles within `most` rad, exact
+/// turns, and speeds within ten times `most`.
 pub(crate) fn share_of_right_states(scene: &Scene, side: u32, samples: &Samples, most: f64) -> f64 {
     let is_right = |k: u32| {
         let truth = true_state(scene, start(scene, side, k)?, scene.question.end_secs());
         let values = samples.values(k as usize);
         let turns = truth.angle.map(|angle| ((angle - PI) / TAU).ceil());
-        // At ±π itself a turn may be counted to either side.
+        // At exactly ±π a turn may count on either side.
         let whole = |bob: usize| values[bob] + TAU * values[4 + bob] - truth.angle[bob];
         let near = |bob: usize| {
             apart(values[bob], truth.angle[bob]) < most
@@ -120,10 +120,11 @@ pub(crate) fn share_of_right_flips(scene: &Scene, side: u32, samples: &Samples) 
     right.iter().filter(|right| **right).count() as f64 / right.len() as f64
 }
 
-/// The growth of the largest of all nudges by the gold standard: central differences of orbits in
-/// double-double.
+/// Returns the growth of the fastest-growing nudge by the gold standard, from central differences
+/// of orbits in double-double.
 pub(crate) fn true_exponent(scene: &Scene, start: State<Dd>, secs: f64) -> f64 {
-    // Far above the errors of orbits in double-double, and far below the inverse of any growth here.
+    // Far larger than the errors of orbits in double-double, far smaller than the inverse of any
+    // growth.
     const NUDGE: f64 = 1e-16;
     let unit = scene.build.unit_secs();
     let column = |k: usize| {
@@ -141,7 +142,7 @@ pub(crate) fn true_exponent(scene: &Scene, start: State<Dd>, secs: f64) -> f64 {
         [angle(0), angle(1), speed(0), speed(1)]
     };
     let columns = [0, 1, 2, 3].map(column);
-    // The largest singular value by power iteration on the map after its transpose.
+    // The largest singular value, by power iteration with the map and its transpose.
     let mut nudge = [1.0, 0.7, -0.4, 0.2];
     let mut growth = 0.0;
     for _ in 0..200 {

@@ -1,5 +1,5 @@
-//! scripts/first-light, which measures a machine with a card: a reduced run of it with this program, and
-//! runs with a program that is wrong.
+//! scripts/first-light, which measures a machine with a card: a reduced run with this program, and
+//! runs with fake programs that give wrong results.
 #![cfg(unix)]
 
 use std::fs;
@@ -29,7 +29,7 @@ fn page(folder: &TempDir) -> String {
     fs::read_to_string(folder.path().join("out/first-light.md")).unwrap()
 }
 
-/// The cells of a table's rows, without its head.
+/// Returns the cells of a table's rows, without its header.
 fn rows<'a>(page: &'a str, chapter: &str) -> Vec<Vec<&'a str>> {
     let chapter = page.split("\n## ").find(|text| text.starts_with(chapter)).unwrap();
     let lines = chapter.lines().filter(|line| line.starts_with("| ")).skip(1);
@@ -66,7 +66,8 @@ mod checks {
     }
 }
 
-/// A program that finds `differing` wrong pixels of 1000, and whose self-check says `word`.
+/// Runs the script with a fake program that reports `differing` wrong pixels of 1000 and a
+/// self-check `word`.
 fn pretender(folder: &TempDir, differing: u32, word: &str) -> Output {
     let text = format!(
         r#"#!/bin/sh

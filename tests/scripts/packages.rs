@@ -1,4 +1,4 @@
-//! Parts of packages: templates, archives and the names that these agree on.
+//! Parts of packages: templates, archives, and the names that must match between them.
 #![cfg(target_os = "linux")]
 
 use std::fs;

@@ -1,4 +1,4 @@
-//! scripts/speed, which compares two builds, on builds that only tell times.
+//! scripts/speed, which compares two builds, tested on fake builds that only report times.
 #![cfg(unix)]
 
 use std::process::{Command, Output};
@@ -11,7 +11,7 @@ fn error_of(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A program that tells that it computed 200 pixels in the `small_secs` and 1,200 in `large_secs`.
+/// Writes a fake build that reports 200 pixels in `small_secs` and 1,200 pixels in `large_secs`.
 fn pretended_build(folder: &TempDir, name: &str, [small_secs, large_secs]: [f64; 2]) -> String {
     let told = |secs: f64, pixels: u32| {
         let evaluations = 10 * pixels;

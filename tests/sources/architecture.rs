@@ -35,7 +35,8 @@ fn options_in(text: &str) -> Vec<&str> {
     lines.filter(spells).collect()
 }
 
-/// Elsewhere a setting is called by its name in backquotes; `cli/option_names.rs` makes it an option.
+/// Outside the command line, messages name a setting in backquotes; `cli/option_names.rs` replaces
+/// it.
 #[test]
 fn options_are_spelt_in_the_command_line_alone() {
     assert_eq!(
@@ -43,7 +44,7 @@ fn options_are_spelt_in_the_command_line_alone() {
         ["\"--width is 0\""]
     );
     for path in product_files() {
-        // The stylesheet of the report has properties that begin so.
+        // The stylesheet of the report has properties that begin with `--`.
         if path.components().any(|part| part.as_os_str() == "cli") || path.ends_with("html.rs") {
             continue;
         }
@@ -97,7 +98,7 @@ fn every_picture_of_the_pages_is_there_and_made_by_the_gallery() {
     assert!(pictures.len() > 8, "{pictures:?}");
     for picture in pictures {
         assert!(Path::new(&picture).exists(), "{picture} is missing");
-        // The contact sheet shows palettes that were not chosen, too, and are not there any more.
+        // The contact sheet also shows rejected palettes, which no longer exist.
         let is_record = picture == "docs/palettes.jpg";
         assert!(made(&picture) || is_record, "{picture} is not made by scripts/gallery");
     }
@@ -274,8 +275,8 @@ fn no_shader_file_has_status_codes_of_its_own() {
     assert!(own("const ANSWERED: u32 = 1u;"), "the test can fail");
 }
 
-/// Whoever adds a question, a plane or a force leaves the kernels of home as they are: their speeds are
-/// those that docs/reports has measured. A change that is meant is measured, and put down here.
+/// A new question, plane or force must not change the kernels of the home map, whose speeds
+/// docs/reports records. If a change is intended, measure it and update the digests here.
 #[test]
 fn the_kernels_of_home_are_those_that_were_measured() {
     let home = question(PendulumSpec::default(), Rule::Second, 1);
@@ -308,7 +309,7 @@ fn the_home_kernel_holds_only_what_it_needs() {
         assert!(!text.contains(absent), "{absent} is in the home kernel");
     }
     assert!(text.contains("t2_next) >="));
-    // Nothing is computed twice or in vain: every value computed in a step is used.
+    // No value in a step is computed twice or left unused.
     let step = text.split("fn advance").nth(1).unwrap().split("fn look").next().unwrap();
     let values: Vec<&str> = step
         .lines()

@@ -16,7 +16,7 @@ const EXAMPLES: [(&str, &str, &str); 5] = [
 #[test]
 fn every_example_does_what_it_says() {
     let folder = tempfile::tempdir().unwrap();
-    // Test binaries lie in a folder beside that of the examples.
+    // The folder of the test binaries lies beside the folder of the examples.
     let tests = std::env::current_exe().unwrap();
     let examples = tests.ancestors().nth(2).unwrap().join("examples");
     for (name, told, file) in EXAMPLES {

@@ -1,5 +1,5 @@
-//! Every kernel can be translated to the language of every kind of driver. scripts/kernels, which names
-//! a folder in FLIPMAP_KERNELS, finds all translations there afterwards.
+//! Every kernel can be translated to the language of every kind of driver. If FLIPMAP_KERNELS names
+//! a folder, all translations are written there for scripts/kernels.
 
 use std::fs;
 use std::mem::offset_of;
@@ -19,7 +19,7 @@ use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Module, ShaderStage};
 
-/// The number types by name, with the way in which pairs are computed.
+/// Number types by name, with the method for pairs.
 const NUMBERS: [(&str, Precision, Pairs); 6] = [
     ("f32", Precision::F32, Pairs::Fused),
     ("f64", Precision::F64, Pairs::Fused),
@@ -37,7 +37,7 @@ fn designs(subgroups: bool) -> Vec<(String, Design)> {
     for (method, (number, precision, pairs)) in all {
         let config =
             IntegratorConfig { method: Method::named(method, precision).unwrap(), precision };
-        // There are no fixed steps in pairs, and expansions in f64 only.
+        // Pairs have no fixed steps, and expansions exist only in f64.
         let Ok(general) = Design::general(&config, true, subgroups) else { continue };
         let general = general.with_pairs(pairs);
         let made = |rule, passes| {
@@ -62,7 +62,7 @@ fn designs(subgroups: bool) -> Vec<(String, Design)> {
     designs
 }
 
-/// A text in all languages: ending of the file, and content.
+/// A shader in several languages: file extension and content.
 type Translations = Vec<(String, Vec<u8>)>;
 
 /// Translates a kernel to the language of every kind of driver that has its number type; Metal has
@@ -91,7 +91,7 @@ fn parsed(text: &str) -> Result<(Module, ModuleInfo), String> {
     Ok((module, info))
 }
 
-/// The checks of indices that wgpu adds where a driver checks those of buffers itself.
+/// Index checks that wgpu adds if the driver itself checks the indices of buffers.
 const BOUNDS: BoundsCheckPolicies = BoundsCheckPolicies {
     index: BoundsCheckPolicy::Restrict,
     buffer: BoundsCheckPolicy::Unchecked,
@@ -108,7 +108,7 @@ fn spirv(module: &Module, info: &ModuleInfo) -> Result<Vec<u8>, String> {
     Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
 }
 
-/// Refuses a translation in which an entry point has failed.
+/// Returns an error if an entry point of a translation has failed.
 fn all_named<E: ToString>(names: Vec<Result<String, E>>) -> Result<(), String> {
     names.into_iter().try_for_each(|name| name.map(drop).map_err(|error| error.to_string()))
 }
@@ -147,7 +147,7 @@ fn glsl(module: &Module, info: &ModuleInfo, entry: &str) -> Result<String, Strin
     Ok(text)
 }
 
-/// Writes translations into the folder that scripts/kernels wants them in.
+/// Writes translations into the folder that FLIPMAP_KERNELS names, if it is set.
 fn keep(name: &str, translations: &Translations) {
     let Some(folder) = std::env::var_os("FLIPMAP_KERNELS") else { return };
     for (ending, content) in translations {
@@ -181,7 +181,7 @@ fn every_kernel_is_translated_for_every_kind_of_driver() {
         keep(&format!("selfcheck-{number}"), &all.unwrap());
     }
     for packing in Packing::ALL {
-        // Every language, and one entry point in GLSL.
+        // Each of the languages, with one entry point in GLSL.
         let all = translations(&pack_text(packing), Precision::F32).unwrap();
         assert_eq!(all.len(), 5, "{packing:?}");
     }
@@ -217,7 +217,8 @@ fn a_kernel_that_no_driver_could_take_is_refused() {
     let (_, design) = &designs(true)[1];
     let text = design.text();
     assert!(translations(&text, design.precision).is_ok());
-    // A number of another type, a function that is nowhere, and an entry that only GLSL looks up.
+    // A number of the wrong type, an undefined function, and an entry point that only GLSL looks
+    // up.
     for broken in [
         text.replacen("steps += select(0u, 1u, going)", "steps += select(0.0, 1.0, going)", 1),
         text.replacen("put_on(SUSPECTS", "put_off(SUSPECTS", 1),

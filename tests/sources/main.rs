@@ -1,5 +1,5 @@
-//! Promises of the sources: sizes, prose, examples, the corpus of the fuzzers, and kernels
-//! that every driver takes.
+//! Rules of the sources: sizes, prose, examples, the corpus of the fuzzers, and kernels that every
+//! driver accepts.
 
 #[cfg(feature = "window")]
 mod architecture;

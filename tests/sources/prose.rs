@@ -18,7 +18,7 @@ fn sources() -> Vec<(PathBuf, String)> {
     before_tests(product_files())
 }
 
-/// First words that make a clause of what should say what an item is or does.
+/// First words of doc comments that do not say what an item is or does.
 const HEADLESS: &str = "What Which Whether Where How Who Whose Why When If Because So As Once \
     Until While Than That Of From To In On At With By Beside For After Before Without Not And Or \
     But More Less Larger Smaller Also Only Even Everything Nothing There They It Its These Those \
@@ -96,7 +96,7 @@ fn a_name_that_modules_share_names_one_type() {
     let all = sources();
     let mut homes = std::collections::BTreeMap::<&str, Vec<&Path>>::new();
     for (file, text) in &all {
-        // Every verb of the command line has options of its own.
+        // Every subcommand has its own `Options`.
         for name in text.lines().filter_map(shared_type).filter(|name| *name != "Options") {
             homes.entry(name).or_default().push(file);
         }

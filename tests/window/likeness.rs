@@ -15,9 +15,9 @@ use super::session::Told;
 const EVERY: f64 = 5.0;
 /// Largest difference in any channel between colours that count as the same.
 const TOLERANCE: u8 = 20;
-/// Smallest share of the calm pixels that must be alike if the picture is right.
+/// Minimum share of calm pixels that agree if the picture is right.
 const ENOUGH: f64 = 0.9;
-/// Amount by which the share of all pixels must drop if the shot is moved by a few pixels.
+/// Amount by which the share of all pixels that agree must drop if the shot is moved a few pixels.
 const MARGIN: f64 = 0.03;
 
 /// The picture of a scene as `flipmap render` writes it: decoded, and as bytes.
@@ -55,8 +55,8 @@ pub(crate) fn expected(told: &Told) -> RgbImage {
 pub(crate) struct Likeness {
     /// Share of all compared pixels that look alike.
     pub all: f64,
-    /// Share that looks alike among the pixels whose neighbours on the screen look alike: those
-    /// away from chaos, where samples a little apart have different answers.
+    /// Share that looks alike among the pixels whose neighbours on the screen look alike. These lie
+    /// outside chaos, where samples slightly apart have different answers.
     pub calm: f64,
 }
 

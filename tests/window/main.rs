@@ -240,7 +240,7 @@ mod checks {
             |display| {
                 display.point(300.0, 240.0);
                 display.key("d");
-                // The map follows the descent, half a decade in a second and a half or more.
+                // The map follows the descent, half a decade in at least 1.5 s.
                 sleep(Duration::from_secs(60));
                 display.key("Escape");
             },

@@ -33,12 +33,12 @@ pub(crate) struct Session {
     name: &'static str,
     shots: u32,
     child: RefCell<Child>,
-    /// Home of the run; taken out at the end.
+    /// Home folder of the run; `None` after its end.
     folder: Option<TempDir>,
     _alone: MutexGuard<'static, ()>,
 }
 
-/// The statistics that the window has last written.
+/// The statistics that the window wrote last.
 #[derive(Debug)]
 pub(crate) struct Told(Value);
 
@@ -48,7 +48,7 @@ impl Told {
         self.0[key].as_f64().unwrap_or_else(|| panic!("{key} of {}", self.0))
     }
 
-    /// A condition of the statistics.
+    /// A truth value of the statistics.
     pub(crate) fn is(&self, key: &str) -> bool {
         self.0[key].as_bool().unwrap_or_else(|| panic!("{key} of {}", self.0))
     }
@@ -93,7 +93,7 @@ impl Told {
         serde_json::from_value(self.0["notices"].clone()).unwrap()
     }
 
-    /// Returns true if nothing is left to compute, not even around the view.
+    /// Returns true if nothing is left to compute, in the view or around it.
     pub(crate) fn is_idle(&self) -> bool {
         self.0["idle"] == true
     }
@@ -112,8 +112,8 @@ impl Told {
     }
 }
 
-/// Keeps the card of the first start from covering the map, and finer samples at edges from being computed
-/// on and on; what is kept already stays.
+/// Prevents the first-start card from covering the map, and finer samples at edges from being
+/// computed. Settings that exist already are kept.
 fn greet(home: &Path) {
     if !settings_in(home).exists() {
         keep_settings(home, "greeted = true\nedges = \"1\"\n");
@@ -236,7 +236,7 @@ impl Session {
         fs::read_to_string(self.path("log")).unwrap()
     }
 
-    /// Number of the program's process.
+    /// Process id of the program.
     pub(crate) fn id(&self) -> u32 {
         self.child.borrow().id()
     }

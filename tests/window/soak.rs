@@ -13,14 +13,14 @@ use super::display::{Display, LEFT};
 use super::session::{Session, WINDOW, keep_settings};
 use super::vitals::Watch;
 
-/// Memory that the process may use in addition to its tile cache, MiB, as measured over ten minutes: the
-/// map's tiles on the card, which a software driver keeps in main memory, about 100; the code of the
-/// driver and the program, 100; what driver, interface and deep views hold, 200; and what the allocator
-/// has free in the heaps of its threads, up to 150. A card's successor has its tiles at once, before
-/// those of the lost one are gone.
+/// Memory that the process may use in addition to its tile cache, MiB, as measured over ten
+/// minutes: about 100 for the map's tiles on the card, which a software driver keeps in main
+/// memory; 100 for the code of the driver and the program; 200 for data of driver, interface and
+/// deep views; and up to 150 that the allocator keeps free in the heaps of its threads. After a
+/// lost device, the new one has its tiles before those of the lost one are freed.
 const BESIDE_MIB: f64 = 600.0;
 
-/// Keys that neither quit nor can select from a list by accident.
+/// Keys that neither quit the program nor select from a list by accident.
 const KEYS: [&str; 24] = [
     "Left",
     "Right",
@@ -55,8 +55,9 @@ const COMMANDS: [&str; 6] = ["whole", "zoom in", "borders", "light", "dark", "sm
 /// are shown: the window gives up after five within a minute.
 const LOSE_EVERY: Duration = Duration::from_secs(15);
 
-/// Expected warnings: the machine has no real screen, clipboard manager or file dialogs, the device is
-/// lost on purpose, and the random user pins too many pixels and wants to go deeper where that cannot be.
+/// Expected warnings: the machine has no real screen, clipboard manager or file dialogs, the device
+/// is lost on purpose, and the random user pins too many pixels and tries to descend in questions
+/// and planes without descents.
 const EXPECTED: [&str; 9] = [
     "winit::platform_impl",
     "clipboard manager",

@@ -3,7 +3,7 @@
 use std::fs;
 use std::time::{Duration, Instant};
 
-/// One look at a process.
+/// Measurements of a process at one time.
 #[derive(Clone, Copy, Debug)]
 struct Vitals {
     resident_mib: u64,
@@ -23,7 +23,7 @@ impl Vitals {
     }
 }
 
-/// Looks at a process now and then: forty times in the time that it is watched.
+/// Measures a process forty times while it is watched.
 pub(crate) struct Watch {
     id: u32,
     begun: Instant,
@@ -32,15 +32,15 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Handles and threads may vary by this much without being a leak: those of a lost graphics device
-    /// stay open for a moment beside those of its successor.
+    /// Number of handles or threads by which a process may vary without a leak: those of a lost
+    /// graphics device stay open for a moment after its successor has opened its own.
     const LOOSE: u64 = 24;
 
     pub(crate) fn new(id: u32, duration: Duration) -> Self {
         Watch { id, begun: Instant::now(), every: duration / 40, looks: Vec::new() }
     }
 
-    /// Looks, if it is time; prints every fourth look.
+    /// Measures if it is time; prints every fourth measurement.
     pub(crate) fn look(&mut self) {
         let taken = self.looks.len() as u32;
         if self.begun.elapsed() < self.every * (taken + 1) {
@@ -55,7 +55,7 @@ impl Watch {
         }
     }
 
-    /// Panics if the second half of the time took more handles or threads than the first.
+    /// Panics if the second half of the time used more handles or threads than the first.
     pub(crate) fn check(&self) {
         let (first, second) = self.looks.split_at(self.looks.len() / 2);
         for (what, of) in [
