@@ -152,8 +152,7 @@ impl DomainSplitting {
     }
 
     /// Follows branches to their ends, on several threads if there are many starts. A small job
-    /// uses one thread, because a thread that waits for others may begin another job in the
-    /// meantime.
+    /// uses one thread: a thread that waits for others may begin another job.
     fn followed(&self, branches: Vec<Branch>, wanted: SplitRequest) -> Distribution {
         let starts: usize = branches.iter().map(|branch| branch.starts.len()).sum();
         let follow = |branch| self.followed_branch(branch, wanted);
@@ -246,8 +245,7 @@ impl DomainSplitting {
                 continue;
             }
             let mut node = if finished.patch.time.0 == 0.0 {
-                // The cell is too wide for its polynomials even at rest: there is nothing to take a
-                // part of.
+                // The cell is too wide for its polynomials even at rest.
                 self.released(part.cell)
             } else {
                 self.with_own_nudges(framed.part(&self.dynamics, &frame), &part)
@@ -285,8 +283,7 @@ impl DomainSplitting {
         ends_at_release || patch.patch.has_grown_less_than(ALIGNED)
     }
 
-    /// Returns the state of a start that is followed alone from its release, or `None` if it is
-    /// forbidden.
+    /// Returns the state of a start that is followed alone from its release; `None` if forbidden.
     pub(super) fn start_alone(&self, cell: Cell, at: [f64; 2]) -> Option<Moving> {
         let (pendulum, start) = self.reduced(cell, at)?;
         let phase = pendulum.phase(&start);
