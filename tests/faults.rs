@@ -109,10 +109,10 @@ fn inputs_that_are_no_plain_files_are_refused_at_once() {
     let cases: [(&[&str], &str); 8] = [
         (&["render", "--state", "/dev/zero", "-o", "a.png"], "/dev/zero cannot be read"),
         (&["render", "--state", "p.toml", "-o", "a.png"], "p.toml cannot be read"),
-        (&["render", "p.toml", "-o", "a.png"], "p.toml: it is no plain file"),
-        (&["render", "p.png", "-o", "a.png"], "p.png: it is no plain file"),
-        (&["render", "--palette", "p.map", "-o", "a.png"], "p.map: it is no plain file"),
-        (&["render", "zero.toml", "-o", "a.png"], "zero.toml: it is no plain file"),
+        (&["render", "p.toml", "-o", "a.png"], "p.toml: it is not a regular file"),
+        (&["render", "p.png", "-o", "a.png"], "p.png: it is not a regular file"),
+        (&["render", "--palette", "p.map", "-o", "a.png"], "p.map: it is not a regular file"),
+        (&["render", "zero.toml", "-o", "a.png"], "zero.toml: it is not a regular file"),
         (&["video", "p.toml", "-o", "f"], "p.toml"),
         (&film, "plan.toml: no program reads this pipe"),
     ];
@@ -126,7 +126,7 @@ fn inputs_that_are_no_plain_files_are_refused_at_once() {
         assert!(said.contains(why), "{words:?}: {said}");
     }
     let verified = refused(&folder, 2, &["verify", "p.toml"]);
-    assert!(verified.contains("p.toml cannot be read: it is no plain file"), "{verified}");
+    assert!(verified.contains("p.toml cannot be read: it is not a regular file"), "{verified}");
 }
 
 #[test]

@@ -24,7 +24,7 @@ SCENES = tuple(_flipmap.SCENES)
 Status = IntEnum("Status", _flipmap.STATUSES, module=__name__)
 Status.__doc__ = "The way in which a pixel's simulation ended."
 Trust = IntEnum("Trust", _flipmap.TRUSTS, module=__name__)
-Trust.__doc__ = "How surely a pixel is right, if its map was checked."
+Trust.__doc__ = "How sure the answer of a pixel is, if its map was checked."
 Pass = namedtuple("Pass", ["bob", "time", "anticlockwise"])
 Pass.__doc__ = "A pass of the top: number of the bob, time in s, true towards the left."
 

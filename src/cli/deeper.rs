@@ -69,7 +69,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     match &options.output {
         _ if !stop::asked() => Ok(()),
         Some(file) if !is_stdout(file) => {
-            let message = format!("stopped; {} holds the way so far", file.display());
+            let message = format!("stopped; {} holds the views found so far", file.display());
             Err(Exit::Partly(message).into())
         }
         _ => Err(Exit::Partly("stopped; the last view on the way is printed".to_string()).into()),

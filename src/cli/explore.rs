@@ -40,7 +40,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let folders = if options.no_config { Folders::none() } else { Folders::of_user() };
     let options = model::WindowOptions {
         run: options.run.says_how().then(|| document.run.clone()),
-        document: options.scene.says_something().then_some(document),
+        document: options.scene.is_given().then_some(document),
         request: options.run.engine.request(spec.setting, spec.verify),
         folders,
         stats: options.stats.clone(),

@@ -56,7 +56,7 @@ pub(super) fn compute(
     let pieces: Vec<_> = shards.flat_map(|shard| task.missing(shard, &parts)).collect();
     let total: u64 = pieces.iter().map(|piece| piece.samples(task)).sum();
     if total == 0 {
-        super::tell("flipmap: every sample is there already");
+        super::tell("flipmap: all samples exist already");
         return Ok(Some(parts));
     }
     drop(parts);
@@ -195,8 +195,8 @@ fn settle_times(
     options: &PictureOptions,
     document: &mut Document,
 ) -> anyhow::Result<()> {
-    let (decades, least_rad) = depth(film);
-    if options.spreads_film(document, decades, least_rad) {
+    let (decades, min_rad) = depth(film);
+    if options.spreads_film(document, decades, min_rad) {
         spread(task, decades, parts, options, document)?;
     }
     document.picture.check()?;

@@ -296,8 +296,8 @@ fn asking_state(mut scene: Document, words: &SceneWords) -> Document {
     if words.says(Setting::Rule) || words.says(Setting::Count) {
         return scene;
     }
-    let without_strays = scene.scene().without_strays();
-    scene.with_scene(without_strays)
+    let without_unused = scene.scene().without_unused();
+    scene.with_scene(without_unused)
 }
 
 /// Converts the error of an invalid scene into a usage error that names `--vary`.

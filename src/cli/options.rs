@@ -82,7 +82,7 @@ pub(super) struct SceneWords {
 impl SceneOptions {
     #[cfg(feature = "window")]
     /// Returns true if a scene was named or any of the options was given.
-    pub(super) fn says_something(&self) -> bool {
+    pub(super) fn is_given(&self) -> bool {
         self.scene.is_some() || self.words.said().iter().any(|(_, said)| said.is_some())
     }
 

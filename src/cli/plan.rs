@@ -77,7 +77,7 @@ pub(super) struct MergeOptions {
 pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (mut what, spec) = what(options)?;
-    spares_others("-o", &options.output)?;
+    check_overwrites_only_plans("-o", &options.output)?;
     if options.output.extension().is_some_and(|ending| ending == "parts") {
         let message =
             "-o names a plan, and .parts is the ending of the folder beside it: name a .toml";
@@ -117,7 +117,7 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
 }
 
 /// Refuses to overwrite a file that is not a plan: keys and scenes are TOML too.
-pub(super) fn spares_others(option: &str, path: &Path) -> Result<(), Exit> {
+pub(super) fn check_overwrites_only_plans(option: &str, path: &Path) -> Result<(), Exit> {
     if !path.is_file() {
         return Ok(());
     }
@@ -139,7 +139,7 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     }
     let words = &options.film.words;
     let mut document = words.apply(words.base(options.film.scene())?)?;
-    options.film.picture.check_even("shards know nothing of their neighbours' colours")?;
+    options.film.picture.check_even("a shard does not know the colours of its neighbours")?;
     options.film.picture.apply(&mut document)?;
     document.picture.adaptive = false;
     let spec = options.film.run.settle(&mut document)?;

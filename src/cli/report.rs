@@ -99,7 +99,9 @@ fn check_chapters(options: &Options) -> Result<(), Exit> {
     match options.only.iter().find(|chapter| options.quick && !chapter.is_quick()) {
         Some(chapter) => {
             let name = chapter.name();
-            Err(Exit::Usage(format!("--quick leaves out what --only asks for: {name}")))
+            Err(Exit::Usage(format!(
+                "--quick does not measure the chapter given to --only: {name}"
+            )))
         }
         None => Ok(()),
     }

@@ -12,7 +12,7 @@ use super::exit::Exit;
 use super::stop;
 
 /// Length in pixels of the longer side of the small picture whose times are used.
-const LONGEST: u32 = 64;
+const MAX_SIDE_PX: u32 = 64;
 
 /// Sets the times of a document's colours to those of its own view, and prints their range.
 /// If nothing flips, they stay as they are.
@@ -23,8 +23,8 @@ pub(super) fn spread(
     engine: &mut dyn Engine,
 ) -> anyhow::Result<()> {
     let longest = size[0].max(size[1]);
-    let small = |side: u32| (u64::from(side) * u64::from(LONGEST) / u64::from(longest)) as u32;
-    let few = if longest > LONGEST { size.map(|side| small(side).max(1)) } else { size };
+    let small = |side: u32| (u64::from(side) * u64::from(MAX_SIDE_PX) / u64::from(longest)) as u32;
+    let few = if longest > MAX_SIDE_PX { size.map(|side| small(side).max(1)) } else { size };
     let scene = document.scene();
     let count = (few[0] * few[1]) as usize;
     let mut work = Work::new(&scene, few, config, count).before(&scene, size);

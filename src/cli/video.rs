@@ -13,7 +13,7 @@ use flipmap_scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
-use super::plan::spares_others;
+use super::plan::check_overwrites_only_plans;
 use super::progress::Mode;
 use super::run_options::{check_steps, start};
 use super::same_file::keep_from_frames;
@@ -58,7 +58,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
     prepare(&cache, options)?;
     let path = cache.join("plan.toml");
-    spares_others("--cache", &path)?;
+    check_overwrites_only_plans("--cache", &path)?;
     spares_plans(&path)?;
     let mut request = options.film.run.engine.request(spec.setting, spec.verify);
     // Another engine would differ from the existing samples in the last digits.
@@ -114,7 +114,7 @@ fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Re
 fn spares_plans(path: &Path) -> Result<(), Exit> {
     match read_text(path) {
         Ok(text) if !Plan::is_kept_by_film(&text) => Err(Exit::Usage(format!(
-            "--cache: {} is no plan of this command's, which would replace it: name another folder",
+            "--cache: {} was not written by flipmap video, which would replace it: name another folder",
             path.display()
         ))),
         _ => Ok(()),

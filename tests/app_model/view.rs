@@ -94,7 +94,7 @@ fn a_view_is_typed_in_degrees_and_gone_to() {
     click(&mut desktop, "View");
     until(&mut desktop, "the panel", |desktop| desktop.query_by_label("Turn, degrees").is_some());
     type_over(&mut desktop, Role::TextInput, "Turn, degrees", "x30");
-    assert!(desktop.query_by_label_contains("which is no number").is_some());
+    assert!(desktop.query_by_label_contains("which is not a number").is_some());
     // The Return key also starts the move.
     for (name, text) in [("Turn, degrees", "30"), ("θ1, rad", "90deg"), ("Width, rad", "0.25")] {
         type_over(&mut desktop, Role::TextInput, name, text);

@@ -84,7 +84,7 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
         (&picture, "like with like"),
         (&interlaced, "is interlaced"),
         (&huge, "its shape is not that of a picture of up to a million pixels"),
-        (&structured, "is no such array"),
+        (&structured, "is not such an array"),
     ] {
         let output = compared(&[&fine, other, "-o", &at("never.png")]);
         assert_eq!(output.status.code(), Some(1), "{other}");
@@ -166,11 +166,14 @@ fn pipes_are_refused_at_once() {
         assert!(made.unwrap().success());
         for words in [["compare", name, "n.npy"], ["compare", "n.npy", name]] {
             let error = refused(&folder, 1, &words);
-            assert!(error.contains(&format!("cannot read {name}: it is no plain file")), "{error}");
+            assert!(
+                error.contains(&format!("cannot read {name}: it is not a regular file")),
+                "{error}"
+            );
         }
     }
     let piped = format!("{} compare <(cat n.npy) n.npy", env!("CARGO_BIN_EXE_flipmap"));
     let mut shell = std::process::Command::new("bash");
     let output = shell.args(["-c", &piped]).current_dir(&folder).output().unwrap();
-    assert!(error_of(&output).contains("it is no plain file"), "{}", error_of(&output));
+    assert!(error_of(&output).contains("it is not a regular file"), "{}", error_of(&output));
 }

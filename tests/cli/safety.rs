@@ -104,7 +104,7 @@ fn the_samples_of_a_film_replace_no_plan_but_their_own() {
         done(&folder, &[&plan[..], &SMALL, what].concat());
         let before = fs::read(at("pj/plan.toml")).unwrap();
         let error = refused(&folder, 2, &[&film("f")[..], &["--cache", "pj"]].concat());
-        assert!(error.contains("--cache: pj/plan.toml is no plan of this command's"), "{error}");
+        assert!(error.contains("--cache: pj/plan.toml is not a plan of this command's"), "{error}");
         assert!(fs::read(at("pj/plan.toml")).unwrap() == before);
     }
     for palette in ["iris", "viridis"] {
@@ -208,7 +208,7 @@ fn a_descent_that_is_stopped_keeps_the_way_and_says_so() {
     assert!(killed.unwrap().success());
     errors.lines().map_while(Result::ok).for_each(|line| said += &line);
     assert_eq!(child.wait().unwrap().code(), Some(130), "{said}");
-    assert!(said.contains("stopped; way.toml holds the way so far"), "{said}");
+    assert!(said.contains("stopped; way.toml holds the views found so far"), "{said}");
     let keys = fs::read_to_string(folder.path().join("way.toml")).unwrap();
     assert!(keys.matches("[[key]]").count() >= 2, "{keys}");
 }

@@ -159,7 +159,7 @@ fn other_colours_and_another_time_compute_nothing() {
     let again = [&["--cache", "f.samples"], &film[..3]].concat();
     let other = ["-o", "g", "--frames", "5", "--palette", "viridis"];
     let output = flipmap(&folder, &[&["video"], &CPU[..], &again[..], &other[..]].concat());
-    assert!(error_of(&output).contains("every sample is there already"), "{}", error_of(&output));
+    assert!(error_of(&output).contains("all samples exist already"), "{}", error_of(&output));
     assert_eq!(parts(), before);
     assert!(folder.path().join("g/000004.png").exists());
 }

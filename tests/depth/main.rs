@@ -381,9 +381,9 @@ fn cancelled_deep_work_stops_at_once() {
     let cancelled = Instant::now();
     engine.cancel();
     // A slice that has begun runs to its end, but no further: two units of 0.32 s.
-    let most_secs = following.secs().map_or(0.0, |[secs, _]| secs) + 0.7;
+    let max_secs = following.secs().map_or(0.0, |[secs, _]| secs) + 0.7;
     while let Some([secs, _]) = following.secs() {
-        assert!(secs < most_secs, "it goes on to {secs} s");
+        assert!(secs < max_secs, "it goes on to {secs} s");
         assert!(cancelled.elapsed() < Duration::from_secs(10), "it does not stop");
         std::thread::sleep(Duration::from_millis(1));
     }

@@ -21,7 +21,7 @@ fn scene(ask: QuestionName, plane: &str) -> Scene {
         QuestionSettings { ask, budget: Budget::secs(0.6), ..QuestionSettings::default() };
     let origin = ["0.4", "2.5", "0", "-1"].map(str::to_string);
     let plane = Plane { kind: plane.parse().unwrap(), origin, energy: 3.0 };
-    Scene { question, plane, ..Scene::default() }.without_strays().checked().unwrap()
+    Scene { question, plane, ..Scene::default() }.without_unused().checked().unwrap()
 }
 
 fn target(scene: &Scene, cell: Cell) -> ViewTarget {

@@ -139,7 +139,7 @@ proptest! {
         let Session { explorer, engine, .. } = session;
         prop_assert_eq!((engine.again, engine.doubled), (0, 0));
         prop_assert_eq!(explorer.counts().simulated, engine.mock.answered as u64);
-        prop_assert!(engine.mock.most_in_flight <= engine.slots());
+        prop_assert!(engine.mock.max_in_flight <= engine.slots());
     }
 
     #[test]

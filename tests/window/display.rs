@@ -38,17 +38,14 @@ const WHEEL: [u8; 2] = [4, 5];
 const BUTTON_PRESS: u8 = x11rb::protocol::xproto::BUTTON_PRESS_EVENT;
 const BUTTON_RELEASE: u8 = x11rb::protocol::xproto::BUTTON_RELEASE_EVENT;
 
-/// Polls `ask` until it returns an answer; panics with a message naming `what` after `most_secs`.
-pub(crate) fn wait_for<T>(what: &str, most_secs: u64, mut ask: impl FnMut() -> Option<T>) -> T {
+/// Polls `ask` until it returns an answer; panics with a message naming `what` after `max_secs`.
+pub(crate) fn wait_for<T>(what: &str, max_secs: u64, mut ask: impl FnMut() -> Option<T>) -> T {
     let begun = Instant::now();
     loop {
         if let Some(answer) = ask() {
             return answer;
         }
-        assert!(
-            begun.elapsed() < Duration::from_secs(most_secs),
-            "waited {most_secs} s for {what}"
-        );
+        assert!(begun.elapsed() < Duration::from_secs(max_secs), "waited {max_secs} s for {what}");
         sleep(Duration::from_millis(20));
     }
 }

@@ -23,11 +23,11 @@ pub enum Cells {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
     "starts {pixel_rad:.1e} {unit} apart cannot be integrated from their release in {precision}, \
-     which tells them apart down to {least_rad:.1e} {unit}"
+     which tells them apart down to {min_rad:.1e} {unit}"
 )]
 pub struct Indistinguishable {
     pixel_rad: f64,
-    least_rad: f64,
+    min_rad: f64,
     precision: Precision,
     unit: &'static str,
 }
@@ -60,9 +60,9 @@ impl Cells {
     /// release but are too close together for that.
     pub fn check(self, config: &IntegratorConfig, pixel_rad: f64) -> Result<(), Indistinguishable> {
         let precision = config.precision;
-        let least_rad = ROUNDINGS * std::f64::consts::PI * precision.epsilon();
-        if self == Cells::Never && pixel_rad < least_rad {
-            return Err(Indistinguishable { pixel_rad, least_rad, precision, unit: "rad" });
+        let min_rad = ROUNDINGS * std::f64::consts::PI * precision.epsilon();
+        if self == Cells::Never && pixel_rad < min_rad {
+            return Err(Indistinguishable { pixel_rad, min_rad, precision, unit: "rad" });
         }
         Ok(())
     }

@@ -145,7 +145,7 @@ pub struct Chosen {
 pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let chosen = match (request.kind, &request.adapter) {
         (Some(EngineKind::Cpu), _) => cpu(request, "asked for".to_string())?,
-        (Some(EngineKind::Gpu), _) | (None, Some(_)) => first_sound(request)?
+        (Some(EngineKind::Gpu), _) | (None, Some(_)) => first_trusted(request)?
             .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use `engine` cpu")))?,
         (None, None) => automatic(request, tell)?,
     };
@@ -168,7 +168,7 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
     }
     let profile = Profile::get(request.threads, tell);
     let Some(row) = fastest(&profile, request.setting) else {
-        return first_sound(request)?.or_else(|why| cpu(request, why));
+        return first_trusted(request)?.or_else(|why| cpu(request, why));
     };
     let why =
         format!("{:.1} µs a pixel on this machine, the fastest of its profile", row.us_per_pixel);
@@ -183,7 +183,7 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
     };
     let (adapter, verify) = (Some(row.adapter.clone()), request.verifies());
     let request = EngineRequest { adapter, setting, verify, ..request.clone() };
-    match first_sound(&request)? {
+    match first_trusted(&request)? {
         Ok(chosen) => Ok(Chosen { why, ..chosen }),
         Err(why) => cpu(&request, why),
     }
@@ -223,7 +223,7 @@ fn cpu(request: &EngineRequest, why: String) -> Result<Chosen, ChoiceError> {
 
 /// Opens the first adapter that matches and is trusted with the setting; otherwise returns the
 /// reasons why none is.
-fn first_sound(request: &EngineRequest) -> Result<Result<Chosen, String>, ChoiceError> {
+fn first_trusted(request: &EngineRequest) -> Result<Result<Chosen, String>, ChoiceError> {
     let fitting = adapters::matching(request.adapter.as_deref())?;
     if fitting.is_empty() {
         return Ok(Err(INSTALL_HINT.to_string()));

@@ -25,7 +25,7 @@ impl fmt::Display for EngineKind {
 
 /// The error for a text that names no kind of engine.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no engine '{0}': it is cpu or gpu")]
+#[error("unknown engine '{0}': it must be cpu or gpu")]
 pub struct UnknownEngine(String);
 
 impl TryFrom<String> for EngineKind {

@@ -26,7 +26,7 @@ pub struct MockEngine {
     /// Number of starts answered so far.
     pub answered: usize,
     /// Largest number of jobs that were in flight at once.
-    pub most_in_flight: usize,
+    pub max_in_flight: usize,
     /// Jobs in flight.
     pub queue: VecDeque<Job>,
     /// Channel to which each job taken and each picture begun is reported, in order.
@@ -41,7 +41,7 @@ impl Default for MockEngine {
             job_size: 64,
             submitted: 0,
             answered: 0,
-            most_in_flight: 0,
+            max_in_flight: 0,
             queue: VecDeque::new(),
             told: None,
         }
@@ -119,7 +119,7 @@ impl Engine for MockEngine {
         self.submitted += 1;
         self.tell(format!("job {}", job.id));
         self.queue.push_back(job);
-        self.most_in_flight = self.most_in_flight.max(self.queue.len());
+        self.max_in_flight = self.max_in_flight.max(self.queue.len());
         Ok(())
     }
 

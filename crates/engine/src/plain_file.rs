@@ -20,7 +20,11 @@ pub fn open_plain(path: &Path) -> io::Result<File> {
         options.custom_flags(rustix::fs::OFlags::NONBLOCK.bits() as i32);
     }
     let file = options.open(path)?;
-    if file.metadata()?.is_file() { Ok(file) } else { Err(io::Error::other("it is no plain file")) }
+    if file.metadata()?.is_file() {
+        Ok(file)
+    } else {
+        Err(io::Error::other("it is not a regular file"))
+    }
 }
 
 /// Reads a plain file of `most` bytes at most.
@@ -31,7 +35,7 @@ pub fn read_plain(path: &Path, most: u64) -> io::Result<Vec<u8>> {
             0 => format!("{} KiB", most >> 10),
             mib => format!("{mib} MiB"),
         };
-        io::Error::other(format!("it is larger than {most}, so it is no file of flipmap's"))
+        io::Error::other(format!("it is larger than {most}, so it cannot be a flipmap file"))
     };
     let length = file.metadata()?.len();
     if length > most {
@@ -47,7 +51,7 @@ pub fn read_plain(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// Reads a text file, such as a scene, a film's keys or a plan, of at most 64 MiB.
 pub fn read_text(path: &Path) -> io::Result<String> {
     let text = String::from_utf8(read_plain(path, MAX_TEXT_BYTES)?);
-    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text in UTF-8"))
+    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not text in UTF-8"))
 }
 
 #[cfg(test)]
@@ -80,7 +84,7 @@ mod tests {
         let path = folder.path().join("pipe");
         assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
         for path in [path.as_path(), Path::new("/dev/zero")] {
-            assert!(read_text(path).unwrap_err().to_string().contains("no plain file"));
+            assert!(read_text(path).unwrap_err().to_string().contains("not a regular file"));
         }
     }
 }

@@ -64,7 +64,7 @@ const LONG_SECS: f64 = 0.3;
 /// Number of starts that a slow configuration is timed on.
 const FEW: usize = 512;
 /// One start in this many is compared with the gold standard.
-const JUDGED_SHARE: usize = 41;
+const JUDGED_EVERY: usize = 41;
 /// Amount by which the share of right answers among the judged starts may fall below that of the
 /// whole map: two standard deviations at a share of 0.9.
 const SAMPLING_ERROR: f64 = 0.03;
@@ -232,7 +232,7 @@ impl Sample {
             let angle = angle.map(|theta| theta.hi);
             oracle::outcome(&pendulum, angle, question.rule, question.budget_secs)
         };
-        let truth = starts.iter().step_by(JUDGED_SHARE).map(one).collect();
+        let truth = starts.iter().step_by(JUDGED_EVERY).map(one).collect();
         Sample { question, starts, truth }
     }
 
@@ -246,7 +246,7 @@ impl Sample {
         largest: u32,
     ) -> Result<(f64, f64), EngineError> {
         // The judged starts serve as the warm-up: kernels are compiled for them.
-        let judged: Vec<[Dd; 2]> = self.starts.iter().step_by(JUDGED_SHARE).copied().collect();
+        let judged: Vec<[Dd; 2]> = self.starts.iter().step_by(JUDGED_EVERY).copied().collect();
         let answers = self.run(engine, config, &judged)?.outcomes;
         let close = |(answer, truth): &(&Outcome, &Outcome)| {
             answer.status == truth.status

@@ -140,7 +140,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     if is_possible {
         return Ok(());
     }
-    let why = "growth and returns go on only where they were begun at the release";
+    let why = "growth and returns can be continued only if they began at the release";
     Err(EngineError::Unsupported(why.to_string()))
 }
 

@@ -150,7 +150,7 @@ fn energy(ui: &mut Ui, scene: &Scene, colours: &AnswerColours) {
     ui.label(format!("The {line} line around these starts is where the two are equal."));
     ui.monospace(curve_words(rule, &pendulum));
     let share = 100.0 * forbidden_share(rule, &pendulum);
-    ui.label(format!("That is {share:.2} % of the whole torus, and costs nothing."));
+    ui.label(format!("That is {share:.2} % of the whole torus, and costs no computation."));
 }
 
 /// Describes why starts are forbidden.

@@ -84,7 +84,7 @@ impl Single {
         let (stage, response) = FigureCanvas::new(ui, size, 1.05 * length, self.told());
         let (ink, faint, [one, two, three, _]) =
             (stage.tint.ink, stage.tint.faint, stage.tint.parts);
-        stage.note("α = −(g/r) sin θ: the mass falls out. Drag the bob.");
+        stage.note("α = −(g/r) sin θ: the mass cancels. Drag the bob.");
         let tip = [bob[0], bob[1] - 0.3 * length];
         stage.dashed([0.0; 2], [0.0, -0.6 * length], faint);
         stage.arc([0.0; 2], angle, 0.35 * length, one);

@@ -55,7 +55,7 @@ const CARDS: [Card; 7] = [
         answer: [
             "The equation M α = τ gives the accelerations only if M has an inverse. Half of \
              ω · M ω is the kinetic energy. It is above zero whenever anything moves, so M sends \
-             no direction to zero, and that is what it takes.",
+             no direction to zero, which is all an inverse needs.",
             "The determinant shows it in numbers. It is least where the rods are in line, and for \
              two bobs it is even there m1 m2 l1² l2², never zero while both have mass.",
         ],

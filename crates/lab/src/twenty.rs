@@ -32,7 +32,7 @@ pub(crate) struct Twenty {
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;
 /// Largest number of pendulums.
-const MOST: f64 = 500.0;
+const MAX_PENDULUMS: f64 = 500.0;
 /// Number of steps between two readings.
 const READ_EVERY: u64 = 12;
 /// Longest simulated time in seconds; nothing new happens after that.
@@ -186,7 +186,7 @@ impl LiveFigure for Twenty {
         let (mut count, mut nudge, mut start) = (self.count as f64, self.nudge_rad, self.start);
         let mut changed = false;
         Grid::new("twenty").num_columns(2).show(ui, |ui| {
-            changed |= number_on(ui, "Pendulums", "", &mut count, 2.0..=MOST, true);
+            changed |= number_on(ui, "Pendulums", "", &mut count, 2.0..=MAX_PENDULUMS, true);
             changed |= number_on(ui, "Nudge", " rad", &mut nudge, 1e-13..=1e-2, true);
             changed |= number_on(ui, "θ1", " rad", &mut start.angle[0], -3.1..=3.1, false);
             changed |= number_on(ui, "θ2", " rad", &mut start.angle[1], -3.1..=3.1, false);
@@ -210,7 +210,7 @@ impl LiveFigure for Twenty {
                     row(ui, "horizon", format!("{:.1} s", self.horizon_secs(rate_per_sec)));
                     row(ui, "for 1000 × precision", format!("+{more:.1} s"));
                 }
-                None => row(ui, "λ", "not to be told yet"),
+                None => row(ui, "λ", "not known yet"),
             }
         });
         ui.button("Show this start on the map")

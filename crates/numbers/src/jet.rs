@@ -289,7 +289,7 @@ impl Div for Jet {
 
 impl Real for Jet {
     // The value in the middle decides the length of a step.
-    const JUDGES_STEPS: bool = false;
+    const ESTIMATES_ERROR: bool = false;
 
     fn lit(self, value: f64) -> Self {
         Jet::constant(value)

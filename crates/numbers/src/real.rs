@@ -21,7 +21,7 @@ pub trait Real:
 {
     /// False for types whose step lengths another number decides: the error of a step is not
     /// computed.
-    const JUDGES_STEPS: bool = true;
+    const ESTIMATES_ERROR: bool = true;
 
     /// Returns the literal `value` in the context of `self`.
     fn lit(self, value: f64) -> Self;

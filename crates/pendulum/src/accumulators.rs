@@ -28,11 +28,11 @@ impl Accumulators {
     };
 
     /// Marks a motion along which nothing was gathered; these quantities agree with no others.
-    pub const UNTOLD: Accumulators =
+    pub const NOT_GATHERED: Accumulators =
         Accumulators { nearest: [f64::NAN; 2], log_growth: f64::NAN, ..Accumulators::NONE };
 
     /// Returns true if quantities were gathered along the motion.
-    pub fn are_told(&self) -> bool {
+    pub fn are_gathered(&self) -> bool {
         !self.log_growth.is_nan()
     }
 
@@ -67,6 +67,9 @@ mod tests {
         assert!(!one.agrees_with(&Accumulators { nearest: [f64::INFINITY, 0.0], ..one }));
         assert!(one.agrees_with(&Accumulators { log_growth: 4.03, ..one }));
         assert!(!one.agrees_with(&Accumulators { log_growth: 4.1, ..one }));
-        assert!(!one.agrees_with(&Accumulators::UNTOLD) && !Accumulators::UNTOLD.are_told());
+        assert!(
+            !one.agrees_with(&Accumulators::NOT_GATHERED)
+                && !Accumulators::NOT_GATHERED.are_gathered()
+        );
     }
 }

@@ -30,7 +30,7 @@ pub const SHRINK: f64 = 0.2;
 /// Greatest factor from one step to the next.
 pub const GROW: f64 = 5.0;
 /// Maximum length of a step, so that a bob turns by far less than half a turn in one.
-pub const LONGEST: f64 = 1.0;
+pub const MAX_STEP: f64 = 1.0;
 /// Length of the first trial step. A bob released from rest may rise over the top and fall back
 /// within this step, and no change of sign of its speed shows it. It rises at most FIRST⁴/8 rad
 /// beyond the top (near (π/2, π), where its acceleration changes sign); the step is short to keep

@@ -167,7 +167,7 @@ pub fn dop853<T: Real>(
             0.04471061572777259,
         ],
     );
-    if !T::JUDGES_STEPS {
+    if !T::ESTIMATES_ERROR {
         let zero = step.lit(0.0);
         return Trial { change: scaled(&rate, step), error_squared: zero, bow: [zero; 2] };
     }

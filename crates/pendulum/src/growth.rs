@@ -18,7 +18,7 @@ type Tangents = Phase<Dual<2>>;
 /// errors are about as large.
 const TOLERANCE: f64 = 1e-9;
 /// Maximum length of a step in reduced time.
-const LONGEST: f64 = 0.5;
+const MAX_STEP: f64 = 0.5;
 /// Bits of the trajectory beyond those that the remaining growth demands.
 const SPARE_BITS: f64 = 40.0;
 
@@ -93,7 +93,7 @@ impl TangentMotion {
     /// Takes a step, at most as far as the reference is known.
     fn advance(&mut self) {
         let scale = self.inverse_scale.map(Dual::new);
-        let mut length = self.step.min(LONGEST).min(self.reference.reach());
+        let mut length = self.step.min(MAX_STEP).min(self.reference.reach());
         loop {
             let trial = dop853(&self.dynamics, scale, &self.state, Dual::new(length));
             let error = trial.error_squared.value.sqrt();

@@ -55,17 +55,17 @@ pub struct SectionReturn {
 }
 
 /// Finds where a start on the section θ1 = 0 first returns to it: one step of the Poincaré map.
-/// `None` if it does not return within `most_secs`.
+/// `None` if it does not return within `max_secs`.
 pub fn section_return(
     pendulum: &Pendulum<Dd>,
     start: State<Dd>,
-    most_secs: f64,
+    max_secs: f64,
 ) -> Option<SectionReturn> {
     // Beyond this angle (rad) the orbit has left the section.
     const LEFT: f64 = 1e-3;
     let mut orbit = Orbit::new(*pendulum, start);
     let mut has_left = false;
-    while orbit.time().hi <= most_secs {
+    while orbit.time().hi <= max_secs {
         let step = orbit.step();
         let length = step.end() - step.start;
         let [from, to] = [Dd::new(0.0), length].map(|tau| step.state(tau).angle[0]);

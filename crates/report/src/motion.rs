@@ -10,7 +10,7 @@ use super::{ReportError, StopTest, as_words};
 use flipmap_engine::{IntegratorConfig, Method, Precision};
 use flipmap_numbers::trig::Turning;
 use flipmap_numbers::{Angle, Dd, Scalar};
-use flipmap_pendulum::control::{Control, FIRST, LONGEST};
+use flipmap_pendulum::control::{Control, FIRST, MAX_STEP};
 use flipmap_pendulum::embedded::{Trial, dop853, dopri5};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
@@ -105,7 +105,7 @@ struct Truth {
 
 impl Truth {
     fn new(pendulum: &Pendulum<f64>, start: [f64; 2], unit_secs: f64) -> Self {
-        let last = TIMES_SECS[TIMES_SECS.len() - 1] / unit_secs + LONGEST;
+        let last = TIMES_SECS[TIMES_SECS.len() - 1] / unit_secs + MAX_STEP;
         let mut orbit = Orbit::new(pendulum.map(Dd::new), State::rest(start.map(Dd::new)));
         let mut steps = Vec::new();
         while orbit.time().to_f64() < last {
@@ -240,7 +240,7 @@ impl<T: Scalar> ControlledPair<T> {
             let trial = (self.trial)(pendulum, scale, phase, length);
             let error = trial.error_squared.to_f64().max(f64::MIN_POSITIVE);
             let excess = error.log2() - self.control.limit(time);
-            step = (step * self.control.factor(excess)).min(LONGEST);
+            step = (step * self.control.factor(excess)).min(MAX_STEP);
             if excess < 0.0 {
                 return (length, trial.change);
             }
@@ -264,7 +264,7 @@ fn expanded<T: Scalar>(
         let largest = (0..6).map(|i| size(i, order)).fold(f64::MIN_POSITIVE, f64::max);
         (tolerance / largest).powf(1.0 / order as f64)
     };
-    let length = allowed(ORDER_F64 - 1).min(allowed(ORDER_F64)).min(LONGEST);
+    let length = allowed(ORDER_F64 - 1).min(allowed(ORDER_F64)).min(MAX_STEP);
     let length = T::from_f64(length);
     (length, series.change(length))
 }

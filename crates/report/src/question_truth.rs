@@ -13,13 +13,13 @@ use flipmap_scene::question::{Needs, QuestionInput};
 /// The channels of the true orbit from a start; `None` if it has no answer.
 pub(super) fn true_answer(scene: &Scene, start: State<Dd>) -> Option<Vec<f64>> {
     let kind = scene.question.ask.kind();
-    let most_secs = scene.question.end_secs();
-    let all = passes_until(orbit(scene, start), most_secs);
+    let max_secs = scene.question.end_secs();
+    let all = passes_until(orbit(scene, start), max_secs);
     let event = event(scene, &all);
     if event.is_none() && !kind.at_a_time {
         return None;
     }
-    let end = event.unwrap_or(Dd::new(most_secs));
+    let end = event.unwrap_or(Dd::new(max_secs));
     let state = orbit(scene, start).state_at(end);
     let gathered = gathered(scene, start, &all, state, end.hi);
     if kind.needs == Needs::Return && gathered.nearest[0].is_infinite() {

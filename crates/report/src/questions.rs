@@ -74,7 +74,7 @@ impl Bench<'_> {
         backend: &mut Backend,
         truths: &mut QuestionTruths,
     ) -> Result<QuestionRow, ReportError> {
-        let Judgement { budget_secs, most_error, words, .. } = ask.kind().judged;
+        let Judgement { budget_secs, max_error, words, .. } = ask.kind().judged;
         let budget = Budget::secs(budget_secs);
         let question = QuestionSettings { ask, budget, ..QuestionSettings::default() };
         let scene = Scene { question, ..Scene::default() };
@@ -94,7 +94,7 @@ impl Bench<'_> {
         };
         let mut errors: Vec<f64> = truth.iter().map(error).collect();
         errors.sort_by(f64::total_cmp);
-        let right = errors.iter().filter(|error| **error <= most_error).count();
+        let right = errors.iter().filter(|error| **error <= max_error).count();
         Ok(QuestionRow {
             question: name,
             budget_secs,

@@ -119,7 +119,7 @@ impl Grid {
             passes: scene.question.passes(),
             pendulum: scene.build.pendulum(),
             exact: scene.build.pendulum_in(),
-            opening: Opening::new(&reduced.0, scene.question.bobs_at_top(), budget),
+            opening: Opening::new(&reduced.0, scene.question.reported_bobs(), budget),
             reduced,
             rule,
             budget_secs: scene.question.end_secs(),

@@ -235,7 +235,7 @@ impl Scene {
 
     /// Resets values that the question or the plane does not use; call it after changing either.
     #[must_use]
-    pub fn without_strays(mut self) -> Self {
+    pub fn without_unused(mut self) -> Self {
         let (kind, question) = (self.question.ask.kind(), &mut self.question);
         if !question.has_rule() {
             question.rule = Rule::default();

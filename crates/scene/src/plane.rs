@@ -191,7 +191,7 @@ impl Plane {
             return refuse("plane", format!("'{}'", self.kind), "its two axes must differ");
         }
         for value in &self.origin {
-            if !Dd::parse(value).is_some_and(|value| value.hi.abs() <= MOST) {
+            if !Dd::parse(value).is_some_and(|value| value.hi.abs() <= MAX_ORIGIN) {
                 let range = "it must be four decimal numbers θ1,θ2,ω1,ω2 between -1e6 and 1e6";
                 return refuse("origin", format!("'{value}'"), range);
             }
@@ -311,7 +311,7 @@ pub(super) fn omega2_beside<T: Real>(pendulum: &Pendulum<T>, omega1: T, cos: T, 
 /// Largest angular velocity that the lattice reaches, in rad per natural unit of time √(l1/g).
 const FASTEST: f64 = 16.0;
 /// Largest absolute value in an origin.
-const MOST: f64 = 1e6;
+const MAX_ORIGIN: f64 = 1e6;
 /// Largest absolute energy of a section, in J.
 const MAX_ENERGY: f64 = 1e12;
 

@@ -66,7 +66,7 @@ impl QuestionSettings {
     }
 
     /// Returns the indices of the bobs whose passes over the top the answer reports or counts.
-    pub(crate) fn bobs_at_top(&self) -> &'static [usize] {
+    pub(crate) fn reported_bobs(&self) -> &'static [usize] {
         match self.watched() {
             Rule::Neither if self.ask.kind().needs == Needs::End => Rule::Either.watched(),
             rule => rule.watched(),

@@ -85,7 +85,7 @@ pub(super) fn set_all(scene: &mut Scene, words: &[(Setting, &str)]) -> Result<()
         words.iter().partition(|(word, _)| matches!(word, Setting::Ask | Setting::Plane));
     for (word, text) in kinds {
         word.set(scene, text)?;
-        *scene = scene.clone().without_strays();
+        *scene = scene.clone().without_unused();
     }
     others.into_iter().try_for_each(|(word, text)| word.set(scene, text))
 }

@@ -24,7 +24,7 @@ impl AppModel {
     }
 
     /// Passes to the pins the outcomes that the map now shows for their pixels.
-    pub(super) fn tell_pins(&mut self) {
+    pub(super) fn show_pins(&mut self) {
         let level = self.state.screen().level();
         let silent = self.state.pins.iter().filter(|pin| pin.told.is_none());
         let silent: Vec<_> =

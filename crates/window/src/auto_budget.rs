@@ -38,7 +38,7 @@ impl AutoBudget {
         self.settling = Some(settling);
         let (scene, wake) = (scene(), Arc::clone(wake));
         std::thread::spawn(move || {
-            super::compute_service::step_back();
+            super::compute_service::lower_priority();
             // The receiver is gone once the budget has been fixed by hand.
             let _ = sender.send(scene.settled().question.budget);
             wake();

@@ -68,7 +68,7 @@ fn moving() -> Vec<Command> {
         command("Zoom out", [key(PLAIN, Key::Minus)], zoom(1.0 / KEY_ZOOM)),
         command("The whole map", [key(PLAIN, Key::Num0)], Action::Look(Look::Home)),
         command(
-            "Back to the view before",
+            "Back to the previous view",
             [key(PLAIN, Key::Backspace), key(Modifiers::ALT, Key::ArrowLeft)],
             Action::Look(Look::Back),
         ),
@@ -89,7 +89,7 @@ fn showing(layers: &Layers) -> Vec<Command> {
     let keyed = |letter| [key(PLAIN, letter)];
     vec![
         command("Energy curve", keyed(Key::C), layer(|layers| layers.curve ^= true)),
-        command("Doubts, hatched", keyed(Key::T), layer(|layers| layers.trust ^= true)),
+        command("Hatch doubtful pixels", keyed(Key::T), layer(|layers| layers.trust ^= true)),
         command("Legend", keyed(Key::L), layer(|layers| layers.legend ^= true)),
         command("Grid of angles", keyed(Key::G), layer(|layers| layers.grid ^= true)),
         command("Borders of tiles", keyed(Key::B), layer(|layers| layers.borders ^= true)),
@@ -153,7 +153,7 @@ fn teaching() -> Vec<Command> {
     let others = [
         command("Story of the figures", [], lab(LabAction::Story)),
         command("Next figure", [key(PLAIN, Key::PageDown)], lab(LabAction::Step(1))),
-        command("Figure before", [key(PLAIN, Key::PageUp)], lab(LabAction::Step(-1))),
+        command("Previous figure", [key(PLAIN, Key::PageUp)], lab(LabAction::Step(-1))),
         command("Figure slower", [key(PLAIN, Key::Comma)], lab(LabAction::ShiftSpeed(-1))),
         command("Figure faster", [key(PLAIN, Key::Period)], lab(LabAction::ShiftSpeed(1))),
         command(

@@ -295,7 +295,7 @@ impl ComputeService {
             };
             self.failures = 0;
             self.open();
-            "The processor goes on; choose another engine under Accuracy."
+            "The processor takes over; choose another engine under Accuracy."
         } else {
             "Choose another engine or accuracy, or press Try again."
         };
@@ -313,7 +313,7 @@ fn waits_for_comparison(request: &EngineRequest) -> bool {
 /// Opens an engine for use behind a window: with short slices, and less urgent than the window's
 /// own threads.
 fn open(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, choice::ChoiceError> {
-    step_back();
+    lower_priority();
     let tuning = GpuTuning { pace: PACE, at_once: true, ..request.tuning };
     // The whole engine gets a thread of its own here.
     let request = EngineRequest { tuning, own_thread: false, ..request.clone() };
@@ -325,7 +325,7 @@ fn open(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, choice::
 
 /// Makes this thread, and those it will start, yield to the threads that draw. On Linux each thread
 /// has a niceness of its own and passes it on to the threads it starts.
-pub(super) fn step_back() {
+pub(super) fn lower_priority() {
     #[cfg(target_os = "linux")]
     if let Err(error) = rustix::process::setpriority_process(None, NICENESS) {
         log::info!("the engine runs as urgently as the window: {error}");

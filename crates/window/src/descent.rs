@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use super::action::{Action, Look};
 use super::camera::Camera;
-use super::compute_service::{Wake, step_back};
+use super::compute_service::{Wake, lower_priority};
 use super::model::AppModel;
 use super::panels::descent::DescentAction;
 use super::reach::Reach;
@@ -54,12 +54,12 @@ impl BackgroundDescent {
         let stopped = Arc::new(AtomicBool::new(false));
         let stop = Arc::clone(&stopped);
         std::thread::spawn(move || {
-            step_back();
+            lower_priority();
             // The pictures are small: opening a graphics card would take longer.
             let engine = EngineRequest { kind: Some(EngineKind::Cpu), adapter: None, ..engine };
             let why = match descent(scene, towards, &engine, &stop, (&sender, &wake)) {
                 Ok(()) => "There is no structure nearby, so the zoom ends here.".to_string(),
-                Err(error) => format!("The way down ended: {error}."),
+                Err(error) => format!("The descent ended: {error}."),
             };
             // Sending fails if the descent was stopped: its receiver is gone.
             let _ = sender.send(DescentNews::Over(why));
@@ -135,7 +135,8 @@ impl AppModel {
             DescentNews::Over(why) => {
                 self.films.descent.running = None;
                 let offers = self.offer_film();
-                let offer = if offers { " The panel Film has the way as a film." } else { "" };
+                let offer =
+                    if offers { " The Film panel now has the descent as a film." } else { "" };
                 self.state.notices.tell(format!("{why}{offer}"));
             }
         }

@@ -42,7 +42,7 @@ pub(crate) struct EguiHost {
     screen_reader: bool,
     textures: egui::TexturesDelta,
     /// Largest side of a surface in pixels.
-    most_px: u32,
+    max_px: u32,
 }
 
 /// The parts of a host that outlive the loss of its device.
@@ -109,7 +109,7 @@ impl EguiHost {
             complaint: Arc::default(),
             screen_reader,
             textures: egui::TexturesDelta::default(),
-            most_px: 0,
+            max_px: 0,
         };
         host.prepare_device(proxy);
         Ok(host)
@@ -126,7 +126,7 @@ impl EguiHost {
         let Some(state) = self.painter.render_state() else { return };
         let canvas = Canvas::new(&state.device, state.target_format, LAYERS);
         state.renderer.write().callback_resources.insert(canvas);
-        self.most_px = state.device.limits().max_texture_dimension_2d;
+        self.max_px = state.device.limits().max_texture_dimension_2d;
         let (lost, waker) = (Arc::clone(&self.lost), proxy.clone());
         state.device.set_device_lost_callback(move |_, why| {
             log::warn!("the window's graphics device is gone: {why}");
@@ -160,7 +160,7 @@ impl EguiHost {
     }
 
     /// Drops the device and returns what the next host needs.
-    pub(crate) fn into_remains(self) -> SurvivingParts {
+    pub(crate) fn into_surviving(self) -> SurvivingParts {
         SurvivingParts {
             memory: self.ctx.memory(Clone::clone),
             screen_reader: self.screen_reader,
@@ -178,7 +178,7 @@ impl EguiHost {
 
     /// Resizes the surface, up to the limit of the device; complains if the window is larger.
     fn resize(&mut self, width: u32, height: u32) {
-        let most = self.most_px.max(1);
+        let most = self.max_px.max(1);
         if width.max(height) > most
             && let Ok(mut complaint) = self.complaint.lock()
         {

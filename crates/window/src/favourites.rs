@@ -36,7 +36,7 @@ impl Settings {
         picture: &PictureTable,
     ) -> Result<PictureTable, String> {
         let table = self.favourites.get(&digit.to_string()).ok_or_else(|| {
-            format!("No colours are kept under {digit}; Shift+{digit} keeps those of now.")
+            format!("No colours are kept under {digit}; Shift+{digit} keeps the current colours.")
         })?;
         let kept: PictureTable = table.clone().try_into().map_err(|error: toml::de::Error| {
             format!("The colours kept under {digit} cannot be read: {}.", error.message())
@@ -99,7 +99,7 @@ mod tests {
             "its times were those of a view"
         );
         let none = settings.kept_colours(4, &now).unwrap_err();
-        assert_eq!(none, "No colours are kept under 4; Shift+4 keeps those of now.");
+        assert_eq!(none, "No colours are kept under 4; Shift+4 keeps the current colours.");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use serde::Deserialize;
 
-use super::compute_service::step_back;
+use super::compute_service::lower_priority;
 use super::export::{ExportStage, thousands};
 use flipmap_engine::choice::EngineRequest;
 
@@ -88,7 +88,7 @@ pub(super) fn film(
     let order = FilmOrder { keys: keys.path(), size, fps, output, engine };
     let mut command = (request.command)(&order)?;
     // The process inherits the niceness of this thread.
-    step_back();
+    lower_priority();
     let pipes = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
     let mut child = pipes.spawn()?;
     let lines = child.stderr.take().map(lines_of);

@@ -10,7 +10,7 @@ pub struct History {
 }
 
 /// Largest number of views remembered.
-const MOST: usize = 200;
+const MAX_VIEWS: usize = 200;
 
 impl History {
     /// Creates a history that begins at a view.
@@ -25,7 +25,7 @@ impl History {
         }
         self.views.truncate(self.current + 1);
         self.views.push(camera);
-        if self.views.len() > MOST {
+        if self.views.len() > MAX_VIEWS {
             self.views.remove(0);
         }
         self.current = self.views.len() - 1;
@@ -109,6 +109,6 @@ mod tests {
     fn the_oldest_are_forgotten() {
         let mut history = History::new(view(1.0));
         (2..1000).for_each(|k| history.visit(view(k as f64)));
-        assert_eq!(std::iter::from_fn(|| history.back()).count(), MOST - 1);
+        assert_eq!(std::iter::from_fn(|| history.back()).count(), MAX_VIEWS - 1);
     }
 }

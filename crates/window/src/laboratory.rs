@@ -103,7 +103,7 @@ impl AppModel {
         let mut actions = Vec::new();
         ui.horizontal_wrapped(|ui| {
             if self.lab.projector {
-                for (name, by) in [("Figure before", -1), ("Next figure", 1)] {
+                for (name, by) in [("Previous figure", -1), ("Next figure", 1)] {
                     let is_there = self.lab.figure.beside(by).is_some();
                     if ui.add_enabled(is_there, egui::Button::new(name)).clicked() {
                         actions.push(Action::InLab(LabAction::Step(by)));

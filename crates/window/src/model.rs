@@ -209,7 +209,7 @@ impl AppModel {
             return true;
         }
         if turn.news {
-            self.tell_pins();
+            self.show_pins();
         }
         let progress = self.progress();
         self.estimates.time_left.read(self.state.target(), &progress, Instant::now());

@@ -6,13 +6,13 @@ use std::time::{Duration, Instant};
 use flipmap_render::tiles::explorer::ViewProgress;
 
 /// Least time that new tiles alone wait for a frame.
-const LEAST: Duration = Duration::from_millis(120);
+const MIN_WAIT: Duration = Duration::from_millis(120);
 /// Time that new tiles wait, in durations of the last frame, so that a processor that draws still
 /// computes most of the time. The wait grows by one duration per second without an event, as the
 /// picture changes less and less.
 const IN_FRAMES: f64 = 6.0;
 /// Longest time that new tiles wait, so that the map grows visibly.
-const MOST: Duration = Duration::from_secs(1);
+const MAX_WAIT: Duration = Duration::from_secs(1);
 
 /// The last frame, and what it showed.
 #[derive(Debug)]
@@ -48,7 +48,7 @@ impl NewsPace {
             return Duration::ZERO;
         }
         let untouched = now.saturating_duration_since(self.touched);
-        self.took.mul_f64(IN_FRAMES + untouched.as_secs_f64()).clamp(LEAST, MOST)
+        self.took.mul_f64(IN_FRAMES + untouched.as_secs_f64()).clamp(MIN_WAIT, MAX_WAIT)
     }
 }
 
@@ -67,16 +67,16 @@ mod tests {
         let mut pace = NewsPace::new(begun);
         let coarse = ViewProgress { covered: true, ..ViewProgress::default() };
         let complete = ViewProgress { idle: true, ..coarse };
-        assert_eq!(pace.pause(&ViewProgress::default(), begun), LEAST);
+        assert_eq!(pace.pause(&ViewProgress::default(), begun), MIN_WAIT);
         assert_eq!(pace.pause(&coarse, begun), Duration::ZERO, "the first map");
         pace.drew(Duration::from_millis(50), &coarse);
         assert_eq!(pace.pause(&coarse, after(0)), Duration::from_millis(300));
         assert_eq!(pace.pause(&coarse, after(4)), Duration::from_millis(500));
-        assert_eq!(pace.pause(&coarse, after(1000)), MOST);
+        assert_eq!(pace.pause(&coarse, after(1000)), MAX_WAIT);
         assert_eq!(pace.pause(&complete, after(4)), Duration::ZERO, "the last map");
         pace.touch(after(1000));
         assert_eq!(pace.pause(&coarse, after(1000)), Duration::from_millis(300));
         pace.drew(Duration::from_millis(2), &coarse);
-        assert_eq!(pace.pause(&coarse, after(1010)), LEAST, "a graphics card is hardly slowed");
+        assert_eq!(pace.pause(&coarse, after(1010)), MIN_WAIT, "a graphics card is hardly slowed");
     }
 }

@@ -22,7 +22,7 @@ pub struct Notices {
 }
 
 /// Largest number of notices shown at once.
-const MOST: usize = 4;
+const MAX_NOTICES: usize = 4;
 /// Time in s for which a notice is shown, unless it is a failure.
 const FADES_AFTER_SECS: f64 = 8.0;
 
@@ -77,7 +77,7 @@ impl Notices {
         let id = self.next_id;
         self.next_id += 1;
         self.list.push(Notice { id, text, failure, shown_secs: None });
-        if self.list.len() > MOST {
+        if self.list.len() > MAX_NOTICES {
             self.list.remove(0);
         }
     }

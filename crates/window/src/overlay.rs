@@ -40,8 +40,8 @@ enum Spacing {
 
 impl Spacing {
     /// Returns the finest spacing that keeps lines at least this far apart, in rad.
-    fn at_least(least_rad: f64) -> Self {
-        let share = least_rad / std::f64::consts::PI;
+    fn at_least(min_rad: f64) -> Self {
+        let share = min_rad / std::f64::consts::PI;
         if let Some(power) = (-1..=3).rev().find(|power| 0.5f64.powi(*power) >= share) {
             if power < 3 || 0.1 < share {
                 return Spacing::Binary(power);

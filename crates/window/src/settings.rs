@@ -266,7 +266,7 @@ impl Store {
             }
         };
         format!(
-            "Your settings could not be read ({why}), so everything is as new. The old file is \
+            "Your settings could not be read ({why}), so the defaults are used. The old file is \
              kept as {kept}."
         )
     }
@@ -361,7 +361,7 @@ mod tests {
             }
             let Loaded { settings, notice } = store.load();
             assert_eq!(settings, Settings::default());
-            assert!(notice.unwrap().contains("it is no plain file"));
+            assert!(notice.unwrap().contains("it is not a regular file"));
             store.save(&Settings::default()).unwrap();
             assert!(!path.is_file(), "it is left as it is");
         }

@@ -294,7 +294,7 @@ impl AppState {
             Action::ColourCycle(cycle) => self.shown.cycle = cycle,
             Action::Favourite(digit) => return Some(Effect::Favourite(digit)),
             Action::KeepFavourite(digit) => return Some(Effect::KeepFavourite(digit)),
-            Action::Timeline(clock) => self.show_by(clock),
+            Action::Timeline(clock) => self.set_timeline(clock),
             Action::Accuracy(accuracy) => {
                 self.set_accuracy(accuracy);
                 return Some(Effect::Reopen);
@@ -343,9 +343,10 @@ impl AppState {
 
     /// Shows the map up to the time of a clock, or whole again. Refuses a clock if answers are not
     /// times.
-    fn show_by(&mut self, clock: Option<Playback>) {
+    fn set_timeline(&mut self, clock: Option<Playback>) {
         if clock.is_some() && !self.question.ask.is_time() {
-            self.notices.tell("Only flip times can be played; this question asks for no time.");
+            self.notices
+                .tell("Only flip times can be played; this question does not ask for a time.");
             return;
         }
         self.shown.timeline = clock;

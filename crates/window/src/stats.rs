@@ -37,7 +37,7 @@ struct Stretch {
 }
 
 /// Largest number of frames and of latencies measured: about an hour's worth.
-const MOST: usize = 1 << 18;
+const MAX_FRAMES: usize = 1 << 18;
 
 impl Default for Stats {
     fn default() -> Self {
@@ -256,7 +256,7 @@ impl StatsReport {
 }
 
 fn push(list: &mut Vec<f32>, took: Duration) {
-    if list.len() < MOST {
+    if list.len() < MAX_FRAMES {
         list.push(1e3 * took.as_secs_f32());
     }
 }

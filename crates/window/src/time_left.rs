@@ -22,7 +22,7 @@ struct Began {
 }
 
 /// Time for which a view must be computed before its end is estimated.
-const LEAST: Duration = Duration::from_secs(1);
+const MIN_MEASURED: Duration = Duration::from_secs(1);
 
 impl TimeLeft {
     /// Reads the progress of a view.
@@ -41,7 +41,7 @@ impl TimeLeft {
     pub(crate) fn secs(&self) -> Option<f64> {
         let (began, (now, share)) = (self.began.as_ref()?, self.latest?);
         let (gained, took) = (share - began.share, now.duration_since(began.at));
-        let tells = gained > 0.0 && share < 1.0 && took >= LEAST;
+        let tells = gained > 0.0 && share < 1.0 && took >= MIN_MEASURED;
         tells.then(|| took.as_secs_f64() * (1.0 - share) / gained)
     }
 }

@@ -205,7 +205,7 @@ impl Runner {
         self.losses.retain(|loss| loss.elapsed() < LOSSES_WITHIN);
         self.losses.push(Instant::now());
         // The old surface must be gone before the window can have another one.
-        let remains = open.host.into_remains();
+        let remains = open.host.into_surviving();
         match EguiHost::new(event_loop, &open.window, &self.proxy, Some(remains)) {
             Ok(host) if self.losses.len() <= MAX_LOSSES => {
                 open.model.forget_card();

@@ -14,7 +14,7 @@ use crate::pace::Adaptive;
 use crate::start::{self, STEP, TIME, TIME_LOW};
 use crate::{FinalState, NUMBERS};
 use flipmap_numbers::{Dd, Real};
-use flipmap_pendulum::control::LONGEST;
+use flipmap_pendulum::control::MAX_STEP;
 use flipmap_pendulum::crossing::{FAR, StepState, beyond_top, height_beyond};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Outcome, Pendulum, Status};
@@ -232,7 +232,7 @@ impl<N: Number> LaneState<N> {
         self.time = Lanes::select(time, excess, self.time);
         self.time_low = Lanes::select(low, excess, self.time_low);
         let factor = step_control::factor(&adaptive.control, excess);
-        self.step = (self.step * factor).min(excess.lit(LONGEST));
+        self.step = (self.step * factor).min(excess.lit(MAX_STEP));
     }
 }
 

@@ -9,7 +9,7 @@ use crate::pace::Pace;
 use crate::start::phase_of;
 use crate::{FinalState, IntegratorState, NUMBERS, Precision};
 use flipmap_numbers::{Dd, Real, Scalar};
-use flipmap_pendulum::control::LONGEST;
+use flipmap_pendulum::control::MAX_STEP;
 use flipmap_pendulum::embedded::plus;
 use flipmap_pendulum::phase::{Phase, rk4};
 use flipmap_pendulum::{Outcome, Pendulum, Status};
@@ -112,7 +112,7 @@ fn step<W: Walker>(walker: &mut W, pace: &Pace, until: f64) {
         let control = &adaptive.control;
         let excess = error_squared.max(1e-300).log2() - control.limit(time);
         is_allowed = excess < 0.0;
-        walker.progress().length = (by * control.factor(excess)).min(LONGEST);
+        walker.progress().length = (by * control.factor(excess)).min(MAX_STEP);
     }
     if is_allowed {
         walker.take(after, pace, by);

@@ -14,7 +14,7 @@ use crate::start::{STEP, TIME, TIME_LOW, end_with_growth};
 use crate::{Carried, IntegratorState, NUMBERS};
 use flipmap_numbers::dual::{Dual, Narrow};
 use flipmap_numbers::{Dd, Real};
-use flipmap_pendulum::control::LONGEST;
+use flipmap_pendulum::control::MAX_STEP;
 use flipmap_pendulum::embedded::plus;
 use flipmap_pendulum::phase::rk4;
 use flipmap_pendulum::tangents::{LARGE, Tangents};
@@ -170,7 +170,7 @@ impl<N: Number + Narrow<N::Leading>> TangentLanes<N> {
         let excess = step_control::excess(control, self.time, error_squared);
         let factor = step_control::factor(control, excess);
         self.take(&plus(&self.state, &trial.change), length, excess);
-        let next = (self.step * factor).min(length.lit(LONGEST));
+        let next = (self.step * factor).min(length.lit(MAX_STEP));
         self.step = Lanes::select(next, -length, self.step);
     }
 

@@ -16,7 +16,7 @@ use crate::pace::Adaptive;
 use crate::start::{TIME, TIME_LOW};
 use flipmap_numbers::polynomial::{bernstein, course, evaluate, halves};
 use flipmap_numbers::{Dd, Real, Scalar};
-use flipmap_pendulum::control::LONGEST;
+use flipmap_pendulum::control::MAX_STEP;
 use flipmap_pendulum::crossing::{FAR, StepState, height_beyond};
 use flipmap_pendulum::embedded::plus;
 use flipmap_pendulum::phase::Phase;
@@ -108,7 +108,7 @@ fn step_length<N: Number, const M: usize>(
     log2_tolerance: f64,
 ) -> N::Leading {
     let lit = |value| series.phase[0][0].leading().lit(value);
-    let mut log2_length = lit(LONGEST.log2());
+    let mut log2_length = lit(MAX_STEP.log2());
     for order in [M - 2, M - 1] {
         let mut largest = lit(0.0);
         for i in 0..6 {

@@ -278,7 +278,7 @@ impl DomainSplitting {
     /// the patch ends at the release, because it is too large for its polynomials, undescribed, or
     /// beside the top. It is also so if nudges have grown so little that those of the middle do not
     /// stand for all, and that any number type has enough digits.
-    pub(super) fn tells_nothing(&self, patch: &FinishedPatch) -> bool {
+    pub(super) fn is_better_from_release(&self, patch: &FinishedPatch) -> bool {
         let ends_at_release = patch.is_open() && patch.patch.time.0 == 0.0;
         ends_at_release || patch.patch.has_grown_less_than(ALIGNED)
     }

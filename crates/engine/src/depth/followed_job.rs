@@ -99,7 +99,7 @@ pub(super) fn followed(
     let cell_secs = begun.elapsed().as_secs_f64();
     let mut depth = DepthStats { cells, cell_steps, cell_secs, ..DepthStats::NOTHING };
     for (patch, starts) in distribution.patches {
-        let open = if splitting.tells_nothing(&patch) {
+        let open = if splitting.is_better_from_release(&patch) {
             awaited.take_alone(&starts, |index| {
                 let (cell, at) = places[index];
                 splitting.start_alone(cell, at)

@@ -156,9 +156,9 @@ impl LineCheck<'_> {
         };
         let residual = RESIDUAL * point.aside / BESIDE;
         let steep_secs = (after.outcome.time - line.outcome.time).abs();
-        let most_secs = SHARE * right_secs(self.unit_secs) + residual * steep_secs;
+        let max_secs = SHARE * right_secs(self.unit_secs) + residual * steep_secs;
         let is_near = off.distance(&line) <= FAR + residual * apart;
-        Some(is_near && (off.outcome.time - expected_secs).abs() <= most_secs)
+        Some(is_near && (off.outcome.time - expected_secs).abs() <= max_secs)
     }
 }
 

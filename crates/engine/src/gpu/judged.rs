@@ -3,7 +3,7 @@
 
 use super::device::is_software;
 use super::kernel::Design;
-use super::kernels::Haste;
+use super::kernels::CompileWhen;
 use super::selfcheck;
 use super::{GpuEngine, GpuTuning};
 use crate::adapters::{Check, Verdict};
@@ -50,7 +50,7 @@ impl GpuEngine {
         }
         self.judge_by(checks?);
         if let (true, Ok(general)) = (self.tuning.at_once, self.general(config)) {
-            self.kernels.wish(&self.gpu, general, self.tuning.workgroup, Haste::Now);
+            self.kernels.wish(&self.gpu, general, self.tuning.workgroup, CompileWhen::Now);
         }
         Ok(())
     }
@@ -75,7 +75,7 @@ impl GpuEngine {
 
     /// Returns true if the general kernel of a method and precision computes orbits correctly,
     /// which is checked before its first use.
-    pub(super) fn is_general_sound(
+    pub(super) fn is_general_trusted(
         &mut self,
         config: &IntegratorConfig,
     ) -> Result<bool, EngineError> {

@@ -23,7 +23,7 @@ use crate::slowed::least_energy;
 use crate::start::{ANGLES, PHASE};
 use crate::{EngineError, EventSpec, IntegratorConfig, Method, Precision, WantedEnds};
 use flipmap_numbers::trig::Turning;
-use flipmap_pendulum::control::{Control, GROW, LONGEST, SHRINK};
+use flipmap_pendulum::control::{Control, GROW, MAX_STEP, SHRINK};
 use flipmap_pendulum::crossing::{FAR, SLACK};
 use flipmap_pendulum::series::ORDER_F64;
 use flipmap_pendulum::{Pendulum, Rule};
@@ -242,7 +242,7 @@ impl Design {
                 safety: number(control.safety),
                 shrink: number(SHRINK),
                 grow: number(GROW),
-                longest: number(LONGEST),
+                longest: number(MAX_STEP),
                 terms: ORDER_F64 + 1,
             },
             quartic: self.scheme == Scheme::Fifth,

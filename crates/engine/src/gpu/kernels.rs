@@ -77,7 +77,7 @@ impl Kernels {
 
     /// Requests that a design be compiled in the background, unless it is compiled or was the last
     /// to be requested.
-    pub(super) fn wish(&mut self, gpu: &Gpu, design: Design, workgroup: u32, haste: Haste) {
+    pub(super) fn wish(&mut self, gpu: &Gpu, design: Design, workgroup: u32, haste: CompileWhen) {
         if self.has(&design) {
             return;
         }
@@ -86,7 +86,10 @@ impl Kernels {
         if compiler.latest != Some(design) {
             compiler.latest = Some(design);
             // Nobody listens if the thread could not start or has died.
-            let _ = compiler.wishes.as_ref().map(|to| to.send(Wish { design, workgroup, haste }));
+            let _ = compiler
+                .wishes
+                .as_ref()
+                .map(|to| to.send(CompileRequest { design, workgroup, haste }));
         }
     }
 
@@ -152,7 +155,7 @@ impl<T> RecentlyUsed<T> {
 
 /// Moment at which a kernel is compiled in the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Haste {
+pub(super) enum CompileWhen {
     /// The kernel is compiled as soon as possible.
     Now,
     /// The kernel is compiled once no other has been requested for a while.
@@ -161,10 +164,10 @@ pub(super) enum Haste {
 
 /// A kernel to compile in the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Wish {
+struct CompileRequest {
     design: Design,
     workgroup: u32,
-    haste: Haste,
+    haste: CompileWhen,
 }
 
 /// A kernel that was compiled in the background, with the time that it took.
@@ -175,7 +178,7 @@ struct Compiled {
 
 /// A thread that compiles the kernel requested last.
 struct KernelCompiler {
-    wishes: Option<Sender<Wish>>,
+    wishes: Option<Sender<CompileRequest>>,
     compiled: Receiver<Compiled>,
     latest: Option<Design>,
     thread: Option<JoinHandle<()>>,
@@ -187,7 +190,7 @@ impl KernelCompiler {
         let (done, compiled) = channel();
         let device = device.clone();
         let work = move || {
-            while let Some(wish) = next_wish(&wished, REST) {
+            while let Some(wish) = next_request(&wished, REST) {
                 let begun = Instant::now();
                 match compile(&device, &wish) {
                     Ok(kernel) => {
@@ -217,9 +220,9 @@ impl Drop for KernelCompiler {
 
 /// Waits for the next request to carry out, skipping those that newer ones replace; returns `None`
 /// once the sender is gone.
-fn next_wish(wishes: &Receiver<Wish>, rest: Duration) -> Option<Wish> {
+fn next_request(wishes: &Receiver<CompileRequest>, rest: Duration) -> Option<CompileRequest> {
     let mut wish = wishes.recv().ok()?;
-    while wish.haste == Haste::AfterRest {
+    while wish.haste == CompileWhen::AfterRest {
         match wishes.recv_timeout(rest) {
             Ok(newer) => wish = newer,
             Err(RecvTimeoutError::Timeout) => break,
@@ -230,7 +233,7 @@ fn next_wish(wishes: &Receiver<Wish>, rest: Duration) -> Option<Wish> {
 }
 
 /// Compiles a kernel on the background thread; returns its errors, which do not concern the engine.
-fn compile(device: &wgpu::Device, wish: &Wish) -> Result<Kernel, String> {
+fn compile(device: &wgpu::Device, wish: &CompileRequest) -> Result<Kernel, String> {
     use wgpu::ErrorFilter::{Internal, OutOfMemory, Validation};
     let scopes = [Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter));
     let kernel = Kernel::compile(device, wish.design, wish.workgroup);
@@ -266,26 +269,30 @@ mod tests {
         assert_eq!(*held, 1, "what is in use stays alive");
     }
 
-    fn wish(config: &crate::IntegratorConfig, haste: Haste) -> Wish {
-        Wish { design: Design::general(config, false, false).unwrap(), workgroup: 64, haste }
+    fn wish(config: &crate::IntegratorConfig, haste: CompileWhen) -> CompileRequest {
+        CompileRequest {
+            design: Design::general(config, false, false).unwrap(),
+            workgroup: 64,
+            haste,
+        }
     }
 
     #[test]
     fn only_the_scene_that_rests_is_compiled() {
         let (sender, wishes) = channel();
-        let [first, second] = [LESSON, FAST].map(|config| wish(&config, Haste::AfterRest));
+        let [first, second] = [LESSON, FAST].map(|config| wish(&config, CompileWhen::AfterRest));
         let rest = Duration::from_millis(50);
         sender.send(first).unwrap();
         sender.send(second).unwrap();
         let begun = Instant::now();
-        assert_eq!(next_wish(&wishes, rest), Some(second));
+        assert_eq!(next_request(&wishes, rest), Some(second));
         assert!(begun.elapsed() >= rest);
-        let urgent = wish(&BALANCED, Haste::Now);
+        let urgent = wish(&BALANCED, CompileWhen::Now);
         sender.send(urgent).unwrap();
-        assert_eq!(next_wish(&wishes, Duration::from_secs(600)), Some(urgent));
+        assert_eq!(next_request(&wishes, Duration::from_secs(600)), Some(urgent));
         // Nobody waits for the rest of a scene when the engine is gone.
         sender.send(first).unwrap();
         drop(sender);
-        assert_eq!(next_wish(&wishes, Duration::from_secs(600)), None);
+        assert_eq!(next_request(&wishes, Duration::from_secs(600)), None);
     }
 }

@@ -29,7 +29,7 @@ use self::clock::StepClock;
 use self::device::Gpu;
 use self::kernel::Design;
 pub use self::kernels::MAX_KERNELS;
-use self::kernels::{Haste, Kernels};
+use self::kernels::{CompileWhen, Kernels};
 use self::packing::Packer;
 use self::pipeline::Kernel;
 use self::slot::{BufferPool, FinishedSlices, Slot, SlotEvent};
@@ -153,12 +153,12 @@ impl GpuEngine {
     ) -> Result<Design, EngineError> {
         let design = match self.kernels.chosen(&special) {
             Some(chosen) => chosen,
-            None if self.kernels.has(&special) || !self.is_general_sound(config)? => special,
+            None if self.kernels.has(&special) || !self.is_general_trusted(config)? => special,
             None => general,
         };
         self.kernels.choose(special, design);
         if design == general {
-            self.kernels.wish(&self.gpu, special, self.tuning.workgroup, Haste::AfterRest);
+            self.kernels.wish(&self.gpu, special, self.tuning.workgroup, CompileWhen::AfterRest);
         }
         Ok(design)
     }

@@ -71,8 +71,8 @@ fn in_workgroups(text: &str, workgroup: u32) -> String {
 /// Returns the number of workgroups for `count` invocations, or as many as a dispatch can have, in
 /// which case each invocation takes several places.
 pub(super) fn workgroups(count: u32, workgroup: u32) -> u32 {
-    const MOST: u32 = 65_535;
-    count.div_ceil(workgroup).min(MOST)
+    const MAX_PER_SIDE: u32 = 65_535;
+    count.div_ceil(workgroup).min(MAX_PER_SIDE)
 }
 
 /// A layout of storage buffers, each read-only or not.

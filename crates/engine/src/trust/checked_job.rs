@@ -126,7 +126,7 @@ impl CheckedJob {
         let wanted = self.job.keep.ends;
         let is_told = !wanted.are_carried() || ends_of(&run.config, wanted) == wanted;
         let answer = |(&outcome, &end): (&Outcome, &FinalState)| {
-            let gathered = if is_told { end.gathered } else { Accumulators::UNTOLD };
+            let gathered = if is_told { end.gathered } else { Accumulators::NOT_GATHERED };
             RunResult { outcome, end: FinalState { gathered, ..end } }
         };
         let answers: Vec<RunResult> =

@@ -156,7 +156,7 @@ fn failed_answers_are_never_sure_and_forbidden_ones_if_all_say_so() {
 /// An answer with the growth that it gathered, or one that gives only its state.
 fn gathered(answer: RunResult, log_growth: Option<f64>) -> RunResult {
     let told = |log_growth| Accumulators { log_growth, ..Accumulators::NONE };
-    let gathered = log_growth.map_or(Accumulators::UNTOLD, told);
+    let gathered = log_growth.map_or(Accumulators::NOT_GATHERED, told);
     RunResult { end: FinalState { gathered, ..answer.end }, ..answer }
 }
 

@@ -86,7 +86,7 @@ impl Judge {
         let mut scaled: Vec<_> = answers.iter().map(|answer| (scale(answer), answer)).collect();
         scaled.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (finest, others) = scaled.split_first().expect("the first rung has all starts");
-        let told = scaled.iter().find(|(_, (_, answer))| answer.end.gathered.are_told());
+        let told = scaled.iter().find(|(_, (_, answer))| answer.end.gathered.are_gathered());
         let (_, (run, answer)) = told.expect("the first run tells what is asked");
         let is_sure = self.is_sure(finest, others)
             && self.distance(answer, &finest.1.1) <= self.allowed(&finest.1.1)

@@ -2,7 +2,7 @@
 //! flip.
 
 use super::graze::Graze;
-use super::{Dynamics, FlowPatch, PatchCrossing, PatchStep, SHORTEST, middle};
+use super::{Dynamics, FlowPatch, MIN_HALVED_STEP, PatchCrossing, PatchStep, middle};
 use crate::crossing::{crosses, crossing, turning_point};
 use crate::phase::Phase;
 use crate::reference::Reference;
@@ -56,7 +56,7 @@ impl FlowPatch {
             }
             let turns = before.speed[bob] * after.speed[bob] < 0.0;
             let passes = crosses(&before, &after, bob);
-            if turns && passes && patch_step.plan.length > SHORTEST {
+            if turns && passes && patch_step.plan.length > MIN_HALVED_STEP {
                 return PatchEvent::TooMuch;
             }
             if turns {
@@ -74,7 +74,7 @@ impl FlowPatch {
         match events.len() {
             0 => least.map_or(PatchEvent::Nothing, PatchEvent::FarTurn),
             1 => events.remove(0),
-            _ if patch_step.plan.length > SHORTEST => PatchEvent::TooMuch,
+            _ if patch_step.plan.length > MIN_HALVED_STEP => PatchEvent::TooMuch,
             _ => PatchEvent::Unclear,
         }
     }

@@ -111,9 +111,9 @@ impl PatchCrossing {
 /// Error allowed in a step of the middle. The polynomials' relative errors are about as large.
 const STEP_TOLERANCE: f64 = 1e-15;
 /// Maximum reduced time that a patch moves in a step.
-const LONGEST: f64 = 0.5;
+const MAX_STEP: f64 = 0.5;
 /// Length below which a step with two events at the top is not halved again.
-const SHORTEST: f64 = 1e-7;
+const MIN_HALVED_STEP: f64 = 1e-7;
 /// Reduced time within which a bob must turn round after a pass that is nearly a graze.
 const GRAZE_WITHIN: f64 = 1.0;
 
@@ -311,7 +311,7 @@ impl FlowPatch {
         reference: Option<&mut (dyn Reference + 'static)>,
     ) -> StepPlan {
         let start = middle(&self.phase);
-        let (mut length, mut next) = (self.step.min(LONGEST), self.step);
+        let (mut length, mut next) = (self.step.min(MAX_STEP), self.step);
         length = length.min(self.left_of_opening().unwrap_or(length));
         if let Some(reference) = reference {
             length = length.min(reference.reach());
@@ -321,7 +321,7 @@ impl FlowPatch {
             let factor = dop853_factor(error, STEP_TOLERANCE);
             let fits = factor >= 0.8;
             next = length * factor.clamp(0.2, 3.0);
-            if fits || length < SHORTEST {
+            if fits || length < MIN_HALVED_STEP {
                 break;
             }
             length = next;

@@ -269,7 +269,7 @@ fn coloured(
 
 /// Stride between the samples of a patch that the spread of colours uses: every fourth row, one
 /// column further each time.
-const LOOKED_AT: usize = 65;
+const SAMPLED_ROWS: usize = 65;
 
 /// Returns the times over which a deep film's colours are spread: all its depths count alike, and
 /// the times are the same in every frame. Empty if nothing flips.
@@ -279,7 +279,7 @@ pub fn spread(task: &Task, parts: &mut Parts) -> Result<Vec<f64>, PartError> {
     for group in groups {
         for cell in group.cells.iter() {
             let samples = parts.patch(group.of(cell), cell)?;
-            let some = samples.iter().step_by(LOOKED_AT);
+            let some = samples.iter().step_by(SAMPLED_ROWS);
             times.extend(some.filter(|o| o.status == Status::Answered).map(|o| o.time));
         }
     }

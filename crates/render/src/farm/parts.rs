@@ -43,7 +43,7 @@ use flipmap_scene::lattice::Cell;
 /// First bytes of every part; the number is the format's.
 const MAGIC: &[u8] = b"flipmap part 1\n";
 /// Number of samples of decoded parts that stay in memory.
-const AT_HAND: usize = 8 << 20;
+const CACHED_SAMPLES: usize = 8 << 20;
 
 /// Reasons why a part cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -321,7 +321,9 @@ impl Parts {
         let part = Arc::new(read(&self.paths[file], &self.forms)?.ok_or(PartError::Gone)?);
         self.at_hand.push_back((file, part.clone()));
         let samples = |(_, part): &(usize, Arc<Part>)| part.samples.len();
-        while self.at_hand.len() > 1 && self.at_hand.iter().map(samples).sum::<usize>() > AT_HAND {
+        while self.at_hand.len() > 1
+            && self.at_hand.iter().map(samples).sum::<usize>() > CACHED_SAMPLES
+        {
             self.at_hand.pop_front();
         }
         Ok(part)
@@ -347,7 +349,7 @@ fn read(path: &Path, forms: &PartForms) -> Result<Option<Part>, PartError> {
         return Err(damaged("the checksum in bytes 15 to 18 is not that of the bytes after it"));
     }
     let part: Part =
-        postcard::from_bytes(body).map_err(|_| damaged("the bytes from 19 on are no part"))?;
+        postcard::from_bytes(body).map_err(|_| damaged("the bytes from 19 on are not a part"))?;
     if !forms.contains_key(&part.of) {
         return Ok(None);
     }

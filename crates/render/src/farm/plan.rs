@@ -56,7 +56,7 @@ pub enum PlannedOutput {
 #[derive(Debug, thiserror::Error)]
 pub enum PlanError {
     /// A text that is not TOML, or not a plan.
-    #[error("is no plan: {0}")]
+    #[error("is not a plan: {0}")]
     Syntax(String),
     /// A plan made by another version of the program.
     #[error("was made by flipmap {0}, and this is {VERSION}: plan it again with this one")]
@@ -243,12 +243,12 @@ mod tests {
         assert!(refused("gravity = 9.81", "gravity = 1.62").contains("was changed"));
         let misspelt = refused("shards = 8", "chards = 8");
         assert!(
-            misspelt.contains("is no plan: line 4, column 1: unknown field 'chards'"),
+            misspelt.contains("is not a plan: line 4, column 1: unknown field 'chards'"),
             "{misspelt}"
         );
         let wrong = refused("shards = 8", "shards = true");
-        assert!(wrong.contains("is no plan: line 4, column 10: invalid type"), "{wrong}");
+        assert!(wrong.contains("is not a plan: line 4, column 10: invalid type"), "{wrong}");
         assert!(refused("shards = 8", "shards = 9").contains("a checksum of the whole"));
-        assert!(Plan::parse("width = 3").unwrap_err().to_string().contains("is no plan"));
+        assert!(Plan::parse("width = 3").unwrap_err().to_string().contains("is not a plan"));
     }
 }

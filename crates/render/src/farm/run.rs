@@ -20,7 +20,7 @@ pub enum RunError {
     #[error(transparent)]
     Engine(#[from] EngineError),
     /// A part could not be written.
-    #[error("what was finished is kept: mend this, and run again to go on")]
+    #[error("what was finished is kept: fix this, then run again to go on")]
     Part(#[from] PartError),
     /// A request to stop.
     #[error("stopped; what was finished is kept: run again to go on")]
@@ -30,7 +30,7 @@ pub enum RunError {
 /// Interval between checks for a request to stop.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Number of samples at which a part is written.
-const MOST: usize = 1 << 18;
+const PART_SAMPLES: usize = 1 << 18;
 /// Shortest interval between writes of finished samples.
 const MIN_WAIT: Duration = Duration::from_millis(500);
 /// Divisor of the elapsed time that gives the interval of long runs, which write fewer and larger
@@ -129,7 +129,7 @@ fn drive(
         let worked = piece.work(engine, Instant::now() + PATIENCE);
         let going = keep_going(piece.counts()) && worked.is_ok();
         let wait = MIN_WAIT.max(begun.elapsed() / WAIT_SHARE);
-        let full = piece.loose() >= MOST || kept.elapsed() >= wait;
+        let full = piece.loose() >= PART_SAMPLES || kept.elapsed() >= wait;
         if piece.loose() > 0 && (full || piece.is_done() || !going) {
             piece.keep()?;
             kept = Instant::now();
@@ -152,7 +152,7 @@ fn keep_rows(
     first: u32,
     samples: &Samples,
 ) -> Result<(), PartError> {
-    let in_part = (MOST / width as usize).max(1) * width as usize;
+    let in_part = (PART_SAMPLES / width as usize).max(1) * width as usize;
     (0..samples.len()).step_by(in_part).try_for_each(|from| {
         let part = samples.part(from..(from + in_part).min(samples.len()));
         writer.rows(width, first + (from / width as usize) as u32, part)

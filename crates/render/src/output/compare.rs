@@ -134,7 +134,7 @@ impl ResultRows {
             // Levels are counted out of 255.
             decoder.set_transformations(png::Transformations::STRIP_16);
             let reader = decoder.read_info();
-            let reader = reader.map_err(|error| foreign(format!("is no PNG: {error}")))?;
+            let reader = reader.map_err(|error| foreign(format!("is not a PNG: {error}")))?;
             if reader.output_color_type() != (png::ColorType::Rgb, png::BitDepth::Eight) {
                 return Err(foreign("has other colours than 8-bit RGB".to_string()));
             }
@@ -147,8 +147,8 @@ impl ResultRows {
             ([info.width, info.height], ResultKind::Colours(Box::new(reader)))
         } else {
             let mut file = file;
-            let (size, channels) =
-                npy_shape(&mut file).map_err(|why| foreign(format!("is no such array: {why}")))?;
+            let (size, channels) = npy_shape(&mut file)
+                .map_err(|why| foreign(format!("is not such an array: {why}")))?;
             // At most 64 channels of a million times a million pixels.
             let values = size.map(u64::from).iter().product::<u64>() * channels as u64;
             let needed = 8 * values + file.stream_position().map_err(unreadable)?;

@@ -20,7 +20,7 @@ pub fn stop_writing_when(asked: fn() -> bool) {
 #[error("stopped while it was written")]
 pub(super) struct StoppedWriting;
 
-fn heed_stop() -> io::Result<()> {
+fn check_stop() -> io::Result<()> {
     match STOP_ASKED.get().is_some_and(|asked| asked()) {
         true => Err(io::Error::other(StoppedWriting)),
         false => Ok(()),
@@ -56,7 +56,7 @@ impl Device {
                 }
                 Err(_) => std::thread::sleep(Duration::from_millis(20)),
             }
-            heed_stop()?;
+            check_stop()?;
         }
     }
 
@@ -83,7 +83,7 @@ impl Device {
 
         const PATIENCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 50_000_000 };
         loop {
-            heed_stop()?;
+            check_stop()?;
             match poll(&mut [PollFd::new(&self.0, PollFlags::OUT)], Some(&PATIENCE)) {
                 Ok(0) | Err(rustix::io::Errno::INTR) => {}
                 Ok(_) => return Ok(()),
@@ -94,7 +94,7 @@ impl Device {
 
     #[cfg(not(unix))]
     fn wait(&self) -> io::Result<()> {
-        heed_stop()
+        check_stop()
     }
 }
 

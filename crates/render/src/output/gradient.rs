@@ -18,7 +18,7 @@ pub enum GradientError {
         source: io::Error,
     },
     /// A file without colours.
-    #[error("{path} is no gradient: {why}")]
+    #[error("{path} is not a gradient: {why}")]
     Empty {
         /// Path of the file.
         path: PathBuf,
@@ -63,7 +63,7 @@ mod tests {
         assert_eq!(read_gradient(&fire).unwrap().unwrap(), "#000000,#ff8000");
         assert!(read_gradient(&write("scene.toml", "format = 1")).is_none());
         let error = read_gradient(&write("no.gpl", "")).unwrap().unwrap_err().to_string();
-        assert!(error.ends_with("no.gpl is no gradient: it does not begin with 'GIMP Palette'"));
+        assert!(error.ends_with("no.gpl is not a gradient: it does not begin with 'GIMP Palette'"));
         assert!(read_gradient(Path::new("nowhere.ugr")).unwrap().is_err());
     }
 }

@@ -64,7 +64,7 @@ pub enum StateError {
     Damaged(&'static str),
     /// A state of the first format.
     #[error(
-        "is of the first format, which has no checksum that would tell if it is damaged: remove it, \
+        "is of the first format, which has no checksum that would detect damage: remove it, \
          and render again from the beginning"
     )]
     Unchecked,
@@ -116,7 +116,7 @@ impl RenderState {
             let why = "the checksum in bytes 16 to 47 is not that of the bytes after it";
             return Err(StateError::Damaged(why));
         }
-        let wrong = StateError::Damaged("the bytes from 48 on are no state");
+        let wrong = StateError::Damaged("the bytes from 48 on are not a state");
         postcard::from_bytes(body).map_err(|_| wrong)
     }
 

@@ -13,7 +13,7 @@ use flipmap_pendulum::Status;
 use flipmap_scene::{Grid, Scene};
 
 /// Maximum number of pixels that are integrated directly.
-const MOST: usize = 8;
+const MAX_PIXELS: usize = 8;
 /// Number of random pixels from which those are chosen, because some may be forbidden or marked.
 const CANDIDATES: usize = 32;
 
@@ -54,7 +54,7 @@ pub fn opinion(
         status: samples.get(place).status,
         values: samples.values(place).to_vec(),
     };
-    let asked: Vec<_> = told.into_iter().filter(is_sure).take(MOST).map(answered).collect();
+    let asked: Vec<_> = told.into_iter().filter(is_sure).take(MAX_PIXELS).map(answered).collect();
     let opinion = check.opinion(&asked, keep_going);
     engine.distrust(opinion.is_some_and(|opinion| opinion.contradicted > 0));
     Ok(opinion)

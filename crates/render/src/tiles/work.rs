@@ -361,7 +361,7 @@ mod tests {
             assert_eq!(samples, truth);
             assert_eq!(counts.pixels, 37 * 23);
             assert_eq!(counts.simulated as usize, engine.answered);
-            assert!(engine.most_in_flight <= engine.slots());
+            assert!(engine.max_in_flight <= engine.slots());
         }
     }
 

@@ -59,12 +59,12 @@ impl Relief {
             (here[right] - here[left]) / (right - left).max(1) as f32,
             (above - below) / rows_apart as f32,
         ];
-        self.factor(rise, most_apart(here[column], beside), here.len() as f32)
+        self.factor(rise, max_gap(here[column], beside), here.len() as f32)
     }
 }
 
 /// Returns the largest difference from a neighbour's height, or NaN if any height is NaN.
-fn most_apart(here: f32, beside: [f32; 4]) -> f32 {
+fn max_gap(here: f32, beside: [f32; 4]) -> f32 {
     let apart = beside.map(|other| (other - here).abs());
     if apart.iter().any(|apart| apart.is_nan()) {
         return f32::NAN;

@@ -32,7 +32,7 @@ pub struct Lookup {
     /// Entry `k` of `n` is the colour at `first_secs · (last_secs / first_secs)^(k / (n − 1))`.
     pub colours: Vec<Rgb>,
     /// Largest distance in the palette between neighbouring entries, as a share of its length.
-    pub most_apart: f64,
+    pub max_gap: f64,
 }
 
 impl Tones {
@@ -130,7 +130,7 @@ impl Tones {
         let shares: Vec<f64> =
             (0..=last).map(|k| self.scale.coloured(self.scale.height(secs(k)))).collect();
         let most = shares.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-        Lookup { first_secs, last_secs, colours, most_apart: most * self.cycles }
+        Lookup { first_secs, last_secs, colours, max_gap: most * self.cycles }
     }
 
     /// Returns a table of `entries` colours, at least two, at equal steps of height on `scale`,

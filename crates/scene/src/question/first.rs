@@ -30,7 +30,7 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
     judged: Judgement {
         budget_secs: 12.0,
         error: apart,
-        most_error: 1e-3,
+        max_error: 1e-3,
         words: "the bob, and 1 ms",
     },
 };

@@ -23,7 +23,7 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
     needs: Needs::Outcome,
     read,
     columns: TraceColumns { from: 0, read: column },
-    judged: Judgement { budget_secs: 12.0, error: apart, most_error: 1e-3, words: "1 ms" },
+    judged: Judgement { budget_secs: 12.0, error: apart, max_error: 1e-3, words: "1 ms" },
 };
 
 /// A channel with the time of an event.

@@ -30,7 +30,7 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
     needs: Needs::End,
     read,
     columns: TraceColumns { from: 0, read: columns },
-    judged: Judgement { budget_secs: 8.0, error: apart, most_error: 0.0, words: "every count" },
+    judged: Judgement { budget_secs: 8.0, error: apart, max_error: 0.0, words: "every count" },
 };
 
 /// A channel that counts passes in one direction; anticlockwise passes go over the top towards the

@@ -29,7 +29,7 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
     needs: Needs::Growth,
     read,
     columns: TraceColumns { from: 0, read: column },
-    judged: Judgement { budget_secs: 8.0, error: apart, most_error: 0.01, words: "1 %" },
+    judged: Judgement { budget_secs: 8.0, error: apart, max_error: 0.01, words: "1 %" },
 };
 
 fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {

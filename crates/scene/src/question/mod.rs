@@ -90,7 +90,7 @@ pub struct Judgement {
     /// Returns the error of an answer's channels, given those of the true orbit.
     pub error: fn(&[f64], &[f64]) -> f64,
     /// Largest error of a right answer.
-    pub most_error: f64,
+    pub max_error: f64,
     /// The largest error of a right answer in words.
     pub words: &'static str,
 }

@@ -27,7 +27,7 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
     needs: Needs::Return,
     read,
     columns: TraceColumns { from: 0, read: columns },
-    judged: Judgement { budget_secs: 5.0, error: apart, most_error: 1e-3, words: "1e-3" },
+    judged: Judgement { budget_secs: 5.0, error: apart, max_error: 1e-3, words: "1e-3" },
 };
 
 fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {

@@ -35,7 +35,7 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
     needs: Needs::End,
     read,
     columns: TraceColumns { from: 4, read: columns },
-    judged: Judgement { budget_secs: 12.0, error: apart, most_error: 1e-3, words: "1e-3 rad" },
+    judged: Judgement { budget_secs: 12.0, error: apart, max_error: 1e-3, words: "1e-3 rad" },
 };
 
 const fn angle(name: &'static str) -> Channel {

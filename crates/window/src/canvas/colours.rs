@@ -101,10 +101,10 @@ pub(crate) fn gliding_colours(
 /// Returns the table over the logarithm of time, whose words are the same for every scale; none if
 /// it is too coarse for the colours.
 fn table_of_times(tones: &Tones, until_secs: f64) -> Option<Table> {
-    let Lookup { first_secs, last_secs, colours, most_apart } = tones.lookup(TABLE_ENTRIES);
+    let Lookup { first_secs, last_secs, colours, max_gap } = tones.lookup(TABLE_ENTRIES);
     let octaves = (last_secs / first_secs).log2();
     let per_octave = (TABLE_ENTRIES - 1) as f64 / octaves;
-    (octaves > MIN_OCTAVES && most_apart <= MAX_ENTRY_GAP).then_some(Table {
+    (octaves > MIN_OCTAVES && max_gap <= MAX_ENTRY_GAP).then_some(Table {
         words: WordKind::Times,
         colours,
         value: [-LOG_BIAS, 1.0 / LOG_STEPS],

@@ -171,8 +171,8 @@ impl Canvas {
         let atlas = texture(device, "atlas", [side, side, layers], wgpu::TextureFormat::R32Uint);
         let size = [TABLE_ENTRIES as u32, 1, 1];
         let table = texture(device, "colour table", size, wgpu::TextureFormat::Rgba8UnormSrgb);
-        let brush = |most_taps| {
-            let pipeline = pipeline(device, &shader, target, most_taps);
+        let brush = |max_taps| {
+            let pipeline = pipeline(device, &shader, target, max_taps);
             let bindings = bindings(device, &pipeline, &uniforms, &atlas, &table);
             Brush { pipeline, bindings }
         };
@@ -327,7 +327,7 @@ fn pipeline(
     device: &wgpu::Device,
     shader: &wgpu::ShaderModule,
     target: wgpu::TextureFormat,
-    most_taps: u32,
+    max_taps: u32,
 ) -> wgpu::RenderPipeline {
     let attributes = wgpu::vertex_attr_array![
         0 => Float32x2, 1 => Float32x2, 2 => Float32x2, 3 => Float32x2, 4 => Float32x2,
@@ -357,7 +357,7 @@ fn pipeline(
             module: shader,
             entry_point: Some("colour_of"),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[("ENCODE", encode), ("MAX_TAPS", f64::from(most_taps))],
+                constants: &[("ENCODE", encode), ("MAX_TAPS", f64::from(max_taps))],
                 ..Default::default()
             },
             targets: &[Some(wgpu::ColorTargetState {

@@ -29,7 +29,7 @@ pub(crate) fn descent_panel(ui: &mut Ui, way: &DescentView) -> Vec<DescentAction
     let mut actions = Vec::new();
     ui.label(
         "Follows the filament nearest to the middle of the view, or with D to the pointer, to \
-         ever smaller views that still have structure. Whatever you do then stops it.",
+         ever smaller views that still have structure. Any other action stops it.",
     );
     let button = if way.going { "Stop" } else { "Go deeper here" };
     if ui.button(button).clicked() {
@@ -46,7 +46,7 @@ pub(crate) fn descent_panel(ui: &mut Ui, way: &DescentView) -> Vec<DescentAction
             }
         }
     });
-    if way.scenes.len() > 1 && ui.button("Make a film of the way").clicked() {
+    if way.scenes.len() > 1 && ui.button("Make a film of the descent").clicked() {
         actions.push(DescentAction::Film);
     }
     actions

@@ -18,7 +18,7 @@ pub(crate) const POINTER: [(&str, &str); 11] = [
     ("Alt+drag, drag with the right button", "Turn the map"),
     ("Alt+wheel", "Stretch the map"),
     ("Drop a picture or scene", "Show it"),
-    ("1 to 9", "Favourite colours; with Shift keep those of now"),
+    ("1 to 9", "Favourite colours; with Shift, keep the current ones"),
     ("Ctrl+V", "Go to a location that was copied"),
     ("Tab, Shift+Tab", "Go through all controls"),
 ];

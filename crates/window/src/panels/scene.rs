@@ -31,7 +31,7 @@ pub fn scene_panel(ui: &mut Ui, scene: &Scene) -> Option<Scene> {
     if new == *scene {
         return None;
     }
-    new.without_strays().checked().ok()
+    new.without_unused().checked().ok()
 }
 
 fn built(ui: &mut Ui, build: &mut PendulumSpec) {

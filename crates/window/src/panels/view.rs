@@ -32,7 +32,7 @@ fn degrees(text: &str) -> Option<f64> {
 /// Reads the texts of the fields. Angles may be in degrees or in parts of π.
 fn view_of(texts: &[String; 5], axes: [Axis; 2]) -> Result<View, String> {
     let number = |text: &str, name: &str| {
-        text.trim().parse::<f64>().map_err(|_| format!("{name} is '{text}', which is no number"))
+        text.trim().parse::<f64>().map_err(|_| format!("{name} is '{text}', which is not a number"))
     };
     let [x, y, width, rotate, stretch] = texts;
     let view = View {

@@ -108,7 +108,7 @@ fn check_replaceable(path: &Path) -> io::Result<()> {
         return Ok(());
     }
     let found = foreign.unwrap_or(&names[0]).to_string_lossy();
-    let text = format!("holds {found} and is no pyramid of flipmap's: name a new folder");
+    let text = format!("holds {found} and is not a pyramid of flipmap's: name a new folder");
     Err(io::Error::other(text))
 }
 
@@ -165,7 +165,7 @@ mod tests {
         assert!(refused(&at("no/map")).contains("no does not exist"));
         fs::create_dir(at("full")).unwrap();
         fs::write(at("full").join(PAGE), "a site").unwrap();
-        assert!(refused(&at("full")).contains("holds index.html and is no pyramid"));
+        assert!(refused(&at("full")).contains("holds index.html and is not a pyramid"));
         write(&at("map"), "ours").unwrap();
         fs::write(at("map").join("notes.txt"), "mine").unwrap();
         assert!(refused(&at("map")).contains("holds notes.txt"));
