@@ -247,9 +247,9 @@ mod tests {
             Block::Text(_) | Block::Fold(..) => {}
         });
         let told: Vec<String> = tables.iter().map(ToString::to_string).collect();
-        // Missing; claims, levels, checks; methods and their five bands; window; late, and all of
+        // Missing; levels, checks, claims; methods and their five bands; window; late, and all of
         // it; depth; question; hard; zooms, painting; machine, refusals.
-        assert_eq!(told.join(" "), "1 3 2 1 2 2 2 2 2 2 1 2 2 1 1 16 1 6 1");
+        assert_eq!(told.join(" "), "1 3 1 3 2 2 2 2 2 2 1 2 2 1 1 16 1 6 1");
         // Methods and levels, twice; depth three times and its ways; the question twice.
         assert_eq!(curves, 5 + 2 + 3 + 3 + 2);
     }

@@ -169,12 +169,12 @@ impl Plot {
             );
         }
         let (legend, height) = self.legend();
-        let (grid, up, names) = (grid(&across, &up), escaped(self.up), placed(&names));
+        let (grid, names) = (grid(&across, &up), placed(&names));
         let title = words(
             14.0,
             0.5 * (TOP + BOTTOM),
             " text-anchor=\"middle\" transform=\"rotate(-90 14 155)\"",
-            &up,
+            self.up,
         );
         let across =
             words(0.5 * (LEFT + RIGHT), BOTTOM + 36.0, " text-anchor=\"middle\"", self.across);

@@ -197,6 +197,6 @@ mod tests {
         assert!(markdown(&report).contains("together 15 minutes"));
         report.painting = None;
         let part = markdown(&report);
-        assert!(!part.contains("together") && part.contains("<summary>Films"));
+        assert!(!part.contains("The whole film") && part.contains("<summary>Films"));
     }
 }
