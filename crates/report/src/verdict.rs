@@ -22,10 +22,10 @@ fn speed(report: &Report) -> String {
         return "The speed of the accuracy levels was not measured.".to_string();
     };
     format!(
-        "At the accuracy {level} this machine takes {} µs per pixel ({}), and {} of the {} pixels \
+        "At the accuracy {level} this machine takes {} µs per pixel ({}); {} of the {} pixels \
          compared are right: they flip within 1 ms of the truth, or rightly not within 30 s.",
         short(row.us_per_pixel),
-        row.full_name(),
+        row.short_name(),
         share(row.errors.right_1ms),
         row.errors.compared
     )
@@ -37,8 +37,8 @@ fn wrong(report: &Report) -> String {
         [window(report), checks(report), hard(&report.hard)].into_iter().flatten().collect();
     match parts.split_last() {
         None => "What is wrong, and what finds it, was not measured.".to_string(),
-        Some((last, [])) => format!("Checked: {last}."),
-        Some((last, others)) => format!("Checked: {}, and {last}.", others.join("; ")),
+        Some((last, [])) => format!("Elsewhere, {last}."),
+        Some((last, others)) => format!("Elsewhere, {}, and {last}.", others.join("; ")),
     }
 }
 
@@ -52,18 +52,16 @@ fn window(report: &Report) -> Option<String> {
 fn checks(report: &Report) -> Option<String> {
     let home = report.exact.iter().filter_map(|row| row.checks);
     let all: Checks = home.chain(report.late.iter().map(|row| row.checks)).sum();
-    let unmarked = match all.unmarked_wrong {
-        0 => "leaves none unmarked".to_string(),
-        n => format!("leaves {n} UNMARKED"),
+    let found = match (all.unchecked_wrong, all.unmarked_wrong) {
+        (0, 0) => "had no wrong one to find".to_string(),
+        (wrong, 0) => format!("finds {} of {wrong} wrong ones", all.caught()),
+        (wrong, n) => format!("finds {} of {wrong} wrong ones, leaves {n} UNMARKED", all.caught()),
     };
-    (all.pixels > 0).then(|| {
-        format!(
-            "the accuracy exact finds {} of {} wrong among {} pixels and {unmarked}",
-            all.caught(),
-            all.unchecked_wrong,
-            all.pixels
-        )
-    })
+    let told = format!(
+        "the accuracy exact, which checks every pixel, {found} among {} pixels",
+        all.pixels
+    );
+    (all.pixels > 0).then_some(told)
 }
 
 fn hard(rows: &[HardRow]) -> Option<String> {
@@ -86,14 +84,17 @@ mod tests {
         let mut report = fixtures::report();
         let text = verdict(&report);
         for words in [
-            "accuracy balanced this machine takes 6.00 µs per pixel (cpu: 2 threads",
+            "accuracy balanced this machine takes 6.00 µs per pixel (cpu); ",
             "66.667 % of the 3 pixels",
             "of 1 windows “filigree” is the least right, 66.667 %",
-            "finds 0 of 0 wrong among 13 pixels and leaves none unmarked, and 1 of 1 hard cases",
+            "had no wrong one to find among 13 pixels, and 1 of 1 hard cases",
         ] {
             assert!(text.contains(words), "{words}: {text}");
         }
         report.hard[0].held = false;
+        let checks = report.exact[0].checks.as_mut().unwrap();
+        (checks.unchecked_wrong, checks.corrected) = (5, 3);
+        assert!(verdict(&report).contains("finds 3 of 5 wrong ones among 13 pixels"));
         report.exact[0].checks.as_mut().unwrap().unmarked_wrong = 2;
         let text = verdict(&report);
         assert!(

@@ -3,9 +3,9 @@
 use super::plot::{Plot, Series};
 use super::{Block, Column, Table, brief, fold, share, short, text};
 use crate::backend::short_name;
-use crate::levels::{rows_at, rows_with};
+use crate::levels::rows_at;
 use crate::motion::TIMES_SECS;
-use crate::plan::{BALANCED, BALANCED_DF32, words};
+use crate::plan::words;
 use crate::{Checks, Errors, MotionError, Report, Row};
 use flipmap_engine::{Accuracy, EngineKind};
 
@@ -53,15 +53,19 @@ fn levels_of(report: &Report) -> Vec<(&'static str, &Row)> {
     Accuracy::ALL.into_iter().flat_map(of_level).collect()
 }
 
-/// The plot of every engine and method, with the levels' names.
+/// The plot of every engine and method, with the names of the levels.
 pub(super) fn plot(report: &Report) -> Block {
     let point = |row: &Row| {
         let wrong = 1.0 - row.errors.right_1ms?;
         Some((row.short_name(), row.config, [row.us_per_pixel, wrong]))
     };
     let mut series = Series::by_method(report.rows.iter().filter_map(point));
-    let named = |(name, row): (_, &Row)| Some(Series::named(point(row)?, name));
-    series.extend(levels_of(report).into_iter().filter_map(named));
+    // One name for each level, where it is fastest: more would cover each other.
+    for rows in levels_of(report).chunk_by(|a, b| a.0 == b.0) {
+        let fastest = rows.iter().min_by(|a, b| a.1.us_per_pixel.total_cmp(&b.1.us_per_pixel));
+        let named = fastest.and_then(|(name, row)| Some(Series::named(point(row)?, name)));
+        series.extend(named);
+    }
     let caption = "Time of a pixel and share of pixels not right: every engine and method";
     let plot = Plot { across: "µs per pixel", up: "share not right", series };
     Block::Plot(caption.to_string(), plot)
@@ -94,40 +98,8 @@ pub(super) fn levels(report: &Report) -> Option<Block> {
     if !checked.is_empty() {
         blocks.push(text(ABOUT_EXACT));
     }
-    blocks.extend([forced(report), Block::Table(claims)]);
+    blocks.push(Block::Table(claims));
     fold("Accuracy levels", blocks)
-}
-
-/// The table of balanced in df32 beside balanced in f64, on the adapters that have both.
-fn forced(report: &Report) -> Block {
-    let in_f64 = rows_with(report, BALANCED);
-    let pair = |forced: &Row| {
-        let beside = in_f64.iter().find(|row| row.full_name() == forced.full_name());
-        (forced.clone(), beside.map(|row| (*row).clone()))
-    };
-    let pairs: Vec<(Row, Option<Row>)> =
-        rows_with(report, BALANCED_DF32).into_iter().map(pair).collect();
-    Table::of(
-        &pairs,
-        &[
-            ("engine", |(forced, _)| forced.short_name()),
-            ("f64, µs/pixel", |(_, beside)| {
-                dashed(beside.as_ref().map(|row| short(row.us_per_pixel)))
-            }),
-            ("df32, µs/pixel", |(forced, _)| short(forced.us_per_pixel)),
-            // From multiples of the scalar loop, which withstand what disturbs a shared machine.
-            ("times slower", |(forced, beside)| {
-                let slower = beside.as_ref().map(|row| row.times_scalar / forced.times_scalar);
-                dashed(slower.map(|ratio| format!("{ratio:.2}")))
-            }),
-            ("right in df32", |(forced, _)| share(forced.errors.right_1ms)),
-        ],
-    )
-    .named("Balanced forced to df32")
-}
-
-fn dashed(text: Option<String>) -> String {
-    text.unwrap_or("–".to_string())
 }
 
 type CellText = fn(&Errors) -> String;
@@ -171,7 +143,7 @@ pub(super) fn motion(report: &Report) -> Option<Block> {
         "The worst over four starts each, against the gold standard in double-double. The \
          methods run as plain scalars here, with the engines' step-size control.",
     )];
-    let quantities: [(&str, fn(&MotionError) -> f64); 2] = [
+    let quantities: [(_, fn(&MotionError) -> f64); 2] = [
         ("Angle, rad", |error| error.angle_rad),
         ("Energy, as a share of P + Q", |error| error.energy_share),
     ];

@@ -70,7 +70,7 @@ impl Series {
 
 /// Left and right edge of the chart.
 const LEFT: f64 = 58.0;
-const RIGHT: f64 = 470.0;
+const RIGHT: f64 = 460.0;
 /// Upper and lower edge of the chart.
 const TOP: f64 = 10.0;
 const BOTTOM: f64 = 300.0;
@@ -118,15 +118,12 @@ impl Axis {
 
 /// The marker of a precision: f32 a ring, f64 a disc, pairs of numbers a large ring.
 fn marker(precision: Precision, [x, y]: [f64; 2]) -> String {
-    let (radius, fill) = match precision {
-        Precision::F32 => (3.5, "var(--back)"),
-        Precision::F64 => (4.0, "currentColor"),
-        Precision::Df32 | Precision::Dd => (6.5, "none"),
+    let (radius, class) = match precision {
+        Precision::F32 => (3.5, "ring"),
+        Precision::F64 => (4.0, "disc"),
+        Precision::Df32 | Precision::Dd => (6.5, "wide-ring"),
     };
-    format!(
-        "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\" fill=\"{fill}\" stroke=\"currentColor\" \
-         stroke-width=\"2\"/>"
-    )
+    format!("<circle class=\"{class}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>")
 }
 
 fn words(x: f64, y: f64, attributes: &str, text: &str) -> String {
