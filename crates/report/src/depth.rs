@@ -94,15 +94,14 @@ pub struct UsByWay {
 impl DepthWay {
     /// Every way.
     pub(crate) const ALL: [DepthWay; 3] = [DepthWay::Direct, DepthWay::Cells, DepthWay::Lines];
-}
 
-impl std::fmt::Display for DepthWay {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
+    /// Name of the way.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
             DepthWay::Direct => "direct",
             DepthWay::Cells => "cells",
             DepthWay::Lines => "lines",
-        })
+        }
     }
 }
 

@@ -113,11 +113,6 @@ pub struct LongFilm {
     pub painting_secs: f64,
 }
 
-/// Returns true if anything of the long film was measured.
-pub(super) fn are_measured(report: &Report) -> bool {
-    !report.zooms.is_empty() || report.painting.is_some()
-}
-
 impl LongFilm {
     /// The time that follows from a report's rows; `None` unless every zoom and the frames were measured.
     pub(crate) fn of(report: &Report) -> Option<Self> {

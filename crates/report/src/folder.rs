@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::{Report, ReportError, html, markdown, pages};
+use super::{Report, ReportError, page};
 use flipmap_render::output::{Destination, SafeFile, read_text};
 
 /// Names of the files.
@@ -41,12 +41,9 @@ impl Folder {
 
     /// Writes the report in place of the previous one.
     pub fn write(&self, report: &Report) -> Result<(), ReportError> {
-        let sections = pages::sections(report)?;
-        let title = pages::title(report);
         let json = serde_json::to_string_pretty(report)
             .map_err(|error| ReportError::Layout(error.to_string()))?;
-        let texts =
-            [json + "\n", markdown::write(&title, &sections), html::write(&title, &sections)];
+        let texts = [json + "\n", page::markdown(report), page::html(report)];
         for (name, text) in NAMES.into_iter().zip(texts) {
             let mut file = self.open(name)?;
             let written = file.write_all(text.as_bytes());

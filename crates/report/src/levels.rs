@@ -1,12 +1,7 @@
 //! Selection of the report's rows by accuracy level.
 
 use super::{Report, Row};
-use flipmap_engine::{Accuracy, IntegratorConfig};
-
-/// The rows with a config, one for each engine that has it.
-pub(super) fn rows_with(report: &Report, config: IntegratorConfig) -> Vec<&Row> {
-    report.rows.iter().filter(|row| row.config == config).collect()
-}
+use flipmap_engine::Accuracy;
 
 /// The rows of a level, one for each engine: the row with the first of the level's configs that the
 /// engine has, or, for a level that verifies, the row measured with its checks.
@@ -16,7 +11,7 @@ pub(super) fn rows_at(report: &Report, level: Accuracy) -> Vec<&Row> {
     }
     let mut found: Vec<&Row> = Vec::new();
     for config in level.configs() {
-        for row in rows_with(report, config) {
+        for row in report.rows.iter().filter(|row| row.config == config) {
             if found.iter().all(|known| known.full_name() != row.full_name()) {
                 found.push(row);
             }
@@ -35,7 +30,7 @@ mod tests {
         let mut report = fixtures::report();
         let configs = |report: &Report| {
             let rows = rows_at(report, Accuracy::Balanced);
-            rows.iter().map(|row| row.config).collect::<Vec<IntegratorConfig>>()
+            rows.iter().map(|row| row.config).collect::<Vec<_>>()
         };
         assert_eq!(configs(&report), [plan::BALANCED]);
         let mut other = report.rows[0].clone();

@@ -2,8 +2,8 @@
 //!
 //! A [`Session`] works through a list of tasks ([`plan`]) on the same [`TestSet`]: the open starts
 //! of the home map and the gold standard's answers to some of them. After each task the [`Report`]
-//! is complete in itself and lists what is still missing; [`pages`] lays it out for readers, and
-//! [`Folder`] writes it.
+//! is complete in itself and lists what is still missing; [`Folder`] writes it, as JSON and as a
+//! page for readers.
 //!
 //! The hard cases stand in [`hard`], each with what makes it hard:
 //!
@@ -17,36 +17,30 @@
 mod backend;
 pub mod baseline;
 mod beyond;
-mod chapters;
+mod claims;
 mod depth;
-mod depth_pages;
 mod exact;
-mod film_pages;
 mod films;
 #[cfg(test)]
 mod fixtures;
 mod folder;
 pub mod hard;
-mod html;
 pub mod hunt;
 mod levels;
 mod machine;
-mod markdown;
 mod measure;
 mod measurement;
 pub mod motion;
-pub mod pages;
+mod page;
 pub mod plan;
-mod plot;
-mod question_pages;
 mod question_truth;
 mod questions;
 mod session;
 pub mod statistics;
 pub mod stopwatch;
-mod targets;
 mod test_set;
 pub mod truth;
+mod verdict;
 mod windows;
 
 use serde::Serialize;
@@ -56,6 +50,7 @@ use flipmap_engine::{EngineError, EngineKind, IntegratorConfig};
 
 pub use backend::{Backend, BackendFilter};
 pub use beyond::{Flips, LateRow, WindowRow};
+pub use claims::Claim;
 pub use depth::DepthRow;
 pub use exact::Checks;
 pub use films::{LongFilm, PaintingRow, ZoomRow};
@@ -64,12 +59,10 @@ pub use hard::HardRow;
 pub use machine::Machine;
 pub use measurement::Chapter;
 pub use motion::MotionError;
-pub use pages::{Block, Section, Table};
 pub use plan::Thoroughness;
 pub use questions::QuestionRow;
 pub use session::Session;
 pub use statistics::{Band, Errors};
-pub use targets::Target;
 pub use test_set::TestSet;
 
 /// Stop test, polled throughout the work: returns true to stop it.
@@ -98,13 +91,13 @@ pub enum ReportError {
     /// A film that is measured could not be made.
     #[error("cannot measure a film: {0}")]
     Film(String),
-    /// A plot could not be drawn, or a table could not be written as JSON.
+    /// The results could not be written as JSON.
     #[error("cannot lay out the report: {0}")]
     Layout(String),
 }
 
 /// The results of all measurements so far.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
     /// The machine that was measured.
     pub machine: Machine,
@@ -126,8 +119,9 @@ pub struct Report {
     pub specialising: Vec<Specialising>,
     /// Errors in angle and energy, by method and time.
     pub motion: Vec<MotionError>,
-    /// The targets, and the results compared with them.
-    pub targets: Vec<Target>,
+    /// What flipmap claims about its answers, beside the results.
+    #[serde(rename = "targets")]
+    pub claims: Vec<Claim>,
     /// Rows of the accuracy `exact`, engine by engine.
     pub exact: Vec<Row>,
     /// Errors of `balanced` in windows beyond the home map.

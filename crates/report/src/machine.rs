@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 /// The machine, the program and the day.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Machine {
     /// The processor's model.
     pub cpu: String,

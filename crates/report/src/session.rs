@@ -7,7 +7,7 @@ use super::measurement::{Chapter, Measurement, Subject};
 use super::questions::QuestionTruths;
 use super::{
     Backend, HardRow, Machine, Refusal, Report, ReportError, StopTest, TestSet, Thoroughness,
-    motion, plan, targets,
+    claims, motion, plan,
 };
 
 /// A report in progress: its engines, starts and tasks.
@@ -36,28 +36,15 @@ impl Session {
         let tasks = Measurement::all(&backends, care.quick, only);
         let sample = if tasks.iter().any(Measurement::needs_truth) { care.sample } else { 0 };
         let test_set = TestSet::home(sample, stop)?;
-        let mut report = Report {
+        let report = Report {
             machine: Machine::here(backends.iter().map(Backend::full_name).collect()),
             quick: care.quick,
             only: only.to_vec(),
             sample: test_set.sample.len(),
-            complete: false,
             missing: tasks.iter().map(|task| task.name(&backends)).collect(),
-            rows: Vec::new(),
             not_offered,
-            specialising: Vec::new(),
-            motion: Vec::new(),
-            targets: Vec::new(),
-            exact: Vec::new(),
-            windows: Vec::new(),
-            late: Vec::new(),
-            depth: Vec::new(),
-            questions: Vec::new(),
-            zooms: Vec::new(),
-            painting: None,
-            hard: Vec::new(),
+            ..Report::default()
         };
-        report.targets = targets::judge(&report);
         let threads = field.threads;
         let (truths, question_truths) = Default::default();
         let done = 0;
@@ -110,7 +97,7 @@ impl Session {
         self.done += 1;
         self.report.missing.remove(0);
         self.report.complete = self.report.missing.is_empty();
-        self.report.targets = targets::judge(&self.report);
+        self.report.claims = claims::claims(&self.report);
         Ok(())
     }
 
