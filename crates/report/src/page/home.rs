@@ -137,13 +137,15 @@ fn band_table(rows: &[Row], cell: CellText) -> Table {
     Table::of(rows, &SPEED[..1]).beside(bands)
 }
 
+type Quantity = fn(&MotionError) -> f64;
+
 /// The chapter on errors in angle and energy.
 pub(super) fn motion(report: &Report) -> Option<Block> {
     let mut blocks = vec![text(
         "The worst over four starts each, against the gold standard in double-double. The \
          methods run as plain scalars here, with the engines' step-size control.",
     )];
-    let quantities: [(_, fn(&MotionError) -> f64); 2] = [
+    let quantities: [(_, Quantity); 2] = [
         ("Angle, rad", |error| error.angle_rad),
         ("Energy, as a share of P + Q", |error| error.energy_share),
     ];
