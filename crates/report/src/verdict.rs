@@ -10,7 +10,7 @@ pub(super) fn verdict(report: &Report) -> String {
     format!("{} {}", speed(report), wrong(report))
 }
 
-/// How fast the machine is at the level to prefer, and how right.
+/// Returns the sentence on the speed and accuracy of the most useful level that was measured.
 fn speed(report: &Report) -> String {
     let preferred = [Accuracy::Balanced, Accuracy::Fast, Accuracy::Lesson, Accuracy::Exact];
     let fastest = preferred.into_iter().find_map(|level| {
@@ -22,8 +22,8 @@ fn speed(report: &Report) -> String {
         return "The speed of the accuracy levels was not measured.".to_string();
     };
     format!(
-        "At the accuracy {level} this machine takes {} µs per pixel ({}); {} of the {} pixels \
-         compared are right: they flip within 1 ms of the truth, or rightly not within 30 s.",
+        "On this machine, {level} takes {} µs per pixel ({}), and {} of the {} pixels compared are \
+         right: they flip within 1 ms of the true time, or truly not within 30 s.",
         short(row.us_per_pixel),
         row.short_name(),
         share(row.errors.right_1ms),
@@ -31,14 +31,14 @@ fn speed(report: &Report) -> String {
     )
 }
 
-/// What is not right, and what finds it.
+/// Returns the sentence on wrong pixels and the checks that find them.
 fn wrong(report: &Report) -> String {
     let parts: Vec<String> =
         [window(report), checks(report), hard(&report.hard)].into_iter().flatten().collect();
     match parts.split_last() {
-        None => "What is wrong, and what finds it, was not measured.".to_string(),
-        Some((last, [])) => format!("Elsewhere, {last}."),
-        Some((last, others)) => format!("Elsewhere, {}, and {last}.", others.join("; ")),
+        None => "Nothing beyond the home map was measured.".to_string(),
+        Some((last, [])) => format!("Beyond the home map, {last}."),
+        Some((last, others)) => format!("Beyond the home map, {}, and {last}.", others.join("; ")),
     }
 }
 
@@ -46,22 +46,19 @@ fn window(report: &Report) -> Option<String> {
     let right = report.windows.iter().filter_map(|row| Some((row.errors.right_1ms?, &row.window)));
     let (right, name) = right.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let count = report.windows.len();
-    Some(format!("of {count} windows “{name}” is the least right, {}", share(Some(right))))
+    Some(format!("“{name}” is the least accurate of {count} windows ({} right)", share(Some(right))))
 }
 
 fn checks(report: &Report) -> Option<String> {
     let home = report.exact.iter().filter_map(|row| row.checks);
     let all: Checks = home.chain(report.late.iter().map(|row| row.checks)).sum();
     let found = match (all.unchecked_wrong, all.unmarked_wrong) {
-        (0, 0) => "had no wrong one to find".to_string(),
-        (wrong, 0) => format!("finds {} of {wrong} wrong ones", all.caught()),
-        (wrong, n) => format!("finds {} of {wrong} wrong ones, leaves {n} UNMARKED", all.caught()),
+        (0, 0) => "found no wrong pixel".to_string(),
+        (wrong, 0) => format!("found {} of {wrong} wrong pixels", all.caught()),
+        (wrong, n) => format!("found {} of {wrong} wrong pixels, left {n} UNMARKED", all.caught()),
     };
-    let told = format!(
-        "the accuracy exact, which checks every pixel, {found} among {} pixels",
-        all.pixels
-    );
-    (all.pixels > 0).then_some(told)
+    let sentence = format!("exact, which checks every pixel, {found} among {}", all.pixels);
+    (all.pixels > 0).then_some(sentence)
 }
 
 fn hard(rows: &[HardRow]) -> Option<String> {
@@ -69,9 +66,9 @@ fn hard(rows: &[HardRow]) -> Option<String> {
     let failed: Vec<String> =
         failed.map(|row| format!("“{}” on {}", row.case, row.engine)).collect();
     let held = rows.len() - failed.len();
-    let told = format!("{held} of {} hard cases come out as expected", rows.len());
-    let told = if failed.is_empty() { told } else { format!("{told}, NOT {}", failed.join(", ")) };
-    (!rows.is_empty()).then_some(told)
+    let names = if failed.is_empty() { String::new() } else { format!(", NOT {}", failed.join(", ")) };
+    let sentence = format!("{held} of {} hard cases came out as expected{names}", rows.len());
+    (!rows.is_empty()).then_some(sentence)
 }
 
 #[cfg(test)]
@@ -84,21 +81,21 @@ mod tests {
         let mut report = fixtures::report();
         let text = verdict(&report);
         for words in [
-            "accuracy balanced this machine takes 6.00 µs per pixel (cpu); ",
+            "On this machine, balanced takes 6.00 µs per pixel (cpu), and ",
             "66.667 % of the 3 pixels",
-            "of 1 windows “filigree” is the least right, 66.667 %",
-            "had no wrong one to find among 13 pixels, and 1 of 1 hard cases",
+            "“filigree” is the least accurate of 1 windows (66.667 % right)",
+            "found no wrong pixel among 13, and 1 of 1 hard cases",
         ] {
             assert!(text.contains(words), "{words}: {text}");
         }
         report.hard[0].held = false;
         let checks = report.exact[0].checks.as_mut().unwrap();
         (checks.unchecked_wrong, checks.corrected) = (5, 3);
-        assert!(verdict(&report).contains("finds 3 of 5 wrong ones among 13 pixels"));
+        assert!(verdict(&report).contains("found 3 of 5 wrong pixels among 13"));
         report.exact[0].checks.as_mut().unwrap().unmarked_wrong = 2;
         let text = verdict(&report);
         assert!(
-            text.contains("leaves 2 UNMARKED") && text.contains("NOT “made up” on cpu"),
+            text.contains("left 2 UNMARKED") && text.contains("NOT “made up” on cpu"),
             "{text}"
         );
     }
@@ -107,10 +104,10 @@ mod tests {
     fn the_verdict_falls_back_on_what_there_is() {
         let mut report = fixtures::report();
         report.rows.retain(|row| row.config == plan::LESSON);
-        assert!(verdict(&report).contains("At the accuracy lesson"));
+        assert!(verdict(&report).contains("On this machine, lesson"));
         let none = verdict(&Report::default());
         assert!(
-            none.contains("speed of the accuracy levels was not") && none.contains("What is wrong")
+            none.contains("speed of the accuracy levels was not") && none.contains("Nothing beyond")
         );
     }
 }
