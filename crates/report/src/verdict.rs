@@ -46,7 +46,10 @@ fn window(report: &Report) -> Option<String> {
     let right = report.windows.iter().filter_map(|row| Some((row.errors.right_1ms?, &row.window)));
     let (right, name) = right.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let count = report.windows.len();
-    Some(format!("“{name}” is the least accurate of {count} windows ({} right)", share(Some(right))))
+    Some(format!(
+        "“{name}” is the least accurate of {count} windows ({} right)",
+        share(Some(right))
+    ))
 }
 
 fn checks(report: &Report) -> Option<String> {
@@ -66,7 +69,8 @@ fn hard(rows: &[HardRow]) -> Option<String> {
     let failed: Vec<String> =
         failed.map(|row| format!("“{}” on {}", row.case, row.engine)).collect();
     let held = rows.len() - failed.len();
-    let names = if failed.is_empty() { String::new() } else { format!(", NOT {}", failed.join(", ")) };
+    let names =
+        if failed.is_empty() { String::new() } else { format!(", NOT {}", failed.join(", ")) };
     let sentence = format!("{held} of {} hard cases came out as expected{names}", rows.len());
     (!rows.is_empty()).then_some(sentence)
 }
@@ -107,7 +111,8 @@ mod tests {
         assert!(verdict(&report).contains("On this machine, lesson"));
         let none = verdict(&Report::default());
         assert!(
-            none.contains("speed of the accuracy levels was not") && none.contains("Nothing beyond")
+            none.contains("speed of the accuracy levels was not")
+                && none.contains("Nothing beyond")
         );
     }
 }
