@@ -96,10 +96,17 @@ fn packages_hold_what_they_are_built_from_and_no_more() {
     for (package, wanted) in [
         ("flipmap-shaders", &["flip.wgsl"][..]),
         ("flipmap-assets", &["palettes/LICENSE-crameri.txt", "scenes/home.toml"]),
+        ("flipmap-numbers", &["src/lib.rs"]),
+        ("flipmap-pendulum", &["src/lib.rs"]),
+        ("flipmap-scene", &["src/lib.rs"]),
         ("flipmap-engine", &["src/lib.rs"]),
+        ("flipmap-render", &["src/lib.rs"]),
+        ("flipmap-report", &["src/lib.rs", "src/page/style.css"]),
+        ("flipmap-lab", &["src/lib.rs"]),
+        ("flipmap-window", &["src/lib.rs"]),
     ] {
         let names = packaged(package);
-        for wanted in wanted {
+        for wanted in wanted.iter().chain(&["LICENSE-APACHE", "LICENSE-MIT"]) {
             assert!(names.iter().any(|name| name == wanted), "{package}: {wanted}");
         }
     }
