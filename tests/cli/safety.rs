@@ -29,7 +29,7 @@ fn a_frame_that_is_a_link_is_refused_and_its_target_stays() {
     let precious = fs::read(at("precious.png")).unwrap();
     let other = [&film("shots")[..], &["--palette", "viridis"]].concat();
     let error = refused(&folder, 1, &other);
-    assert!(error.contains("it holds 000001.png, which is not of a film"), "{error}");
+    assert!(error.contains("it holds 000001.png, which is not a frame of a film"), "{error}");
     assert!(fs::read(at("precious.png")).unwrap() == precious);
     assert!(at("shots/000001.png").is_symlink());
 }
@@ -45,7 +45,10 @@ fn pictures_of_others_under_the_names_of_frames_are_refused_and_stay() {
         let before = fs::read(&path).unwrap();
         let words = ["video", "-o", "shots", "--vary", "time=0..1", "--frames", frames];
         let error = refused(&folder, 1, &[&words[..], &SMALL].concat());
-        assert!(error.contains(&format!("it holds {name}, which is not of a film")), "{error}");
+        assert!(
+            error.contains(&format!("it holds {name}, which is not a frame of a film")),
+            "{error}"
+        );
         assert!(fs::read(&path).unwrap() == before);
     }
     // A film that was killed between writing the two files of a frame can be continued.
@@ -104,7 +107,10 @@ fn the_samples_of_a_film_replace_no_plan_but_their_own() {
         done(&folder, &[&plan[..], &SMALL, what].concat());
         let before = fs::read(at("pj/plan.toml")).unwrap();
         let error = refused(&folder, 2, &[&film("f")[..], &["--cache", "pj"]].concat());
-        assert!(error.contains("--cache: pj/plan.toml is not a plan of this command's"), "{error}");
+        assert!(
+            error.contains("--cache: pj/plan.toml was not written by flipmap video"),
+            "{error}"
+        );
         assert!(fs::read(at("pj/plan.toml")).unwrap() == before);
     }
     for palette in ["iris", "viridis"] {

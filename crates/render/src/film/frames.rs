@@ -198,7 +198,7 @@ fn objection(path: &Path) -> Option<&'static str> {
     let found = path.symlink_metadata().ok()?;
     // A pipe or a folder would take no frame, and a link leads to a file that is not the film's.
     if !found.is_file() || !is_ours(path) {
-        return Some("which flipmap did not write: name another folder");
+        return Some("which is not a frame of a film by flipmap: name another folder");
     }
     let protected = found.permissions().readonly();
     protected.then_some("which is write-protected: remove it, or name another folder")
