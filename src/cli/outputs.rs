@@ -65,7 +65,7 @@ impl OutputOptions {
     }
 
     /// Rejects outputs that cannot be written, or that would replace one of `inputs`. With `json`,
-    /// standard output is taken; `state` is one more output.
+    /// standard output is already in use; `state` is a further output.
     pub(super) fn check(
         &self,
         json: bool,

@@ -302,8 +302,7 @@ pub trait Engine {
     fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError>;
     /// Drops all jobs in flight; their answers will not arrive.
     fn cancel(&mut self);
-    /// Begins another picture, which may be computed by a faster kernel with other roundings than
-    /// the one before.
+    /// Begins another picture, which may be computed by a faster kernel that rounds differently.
     fn begin_picture(&mut self) {}
     /// Number of jobs in flight that keep the engine busy.
     fn slots(&self) -> usize;

@@ -92,7 +92,7 @@ impl MockEngine {
         [y1.atan2(x1), y2.atan2(x2)].map(Dd::new)
     }
 
-    /// The angles of a leaf's starts, as far as double-double tells them apart.
+    /// The angles of a leaf's starts, to double-double precision.
     fn angles_in(leaf: &Leaf) -> Vec<[Dd; 2]> {
         let (center, half) = (leaf.cell.center(), side_rad(leaf.cell.level + 1));
         let angle = |at: &[f64; 2]| [0, 1].map(|i| center[i].to_dd() + Dd::new(half * at[i]));

@@ -183,7 +183,7 @@ pub enum TimedPairs {
 /// The levels' configurations that the processor has, and that a graphics adapter compiles fast.
 const CPU_CONFIGS: [(Accuracy, IntegratorConfig); 3] =
     [(Accuracy::Lesson, LESSON), (Accuracy::Fast, FAST), (Accuracy::Balanced, BALANCED)];
-/// The same with pairs of f32.
+/// The [`CPU_CONFIGS`], and `balanced` in pairs of f32.
 const ALL_CONFIGS: [(Accuracy, IntegratorConfig); 4] = {
     let [lesson, fast, balanced] = CPU_CONFIGS;
     [lesson, fast, balanced, (Accuracy::Balanced, BALANCED_DF32)]

@@ -1,5 +1,5 @@
 //! The least energy with which a bob can pass the top. Friction only takes energy away, so a
-//! pendulum whose energy falls below this provably never flips and is done early.
+//! pendulum with less energy than this provably never flips, and its integration ends early.
 
 use flipmap_pendulum::{Pendulum, Rule};
 

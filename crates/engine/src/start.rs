@@ -322,9 +322,9 @@ pub(crate) fn phase_at(
     }
 }
 
-/// Returns the end of a pendulum that stopped in the state `left`, or that flipped in the step
-/// after it. `flipped` is the fraction of that step for fixed steps, the reduced time for adaptive
-/// ones.
+/// Returns the end of a pendulum: the state `left` or, if it flipped in the next step, the flip.
+/// `flipped` is the moment of the flip: the reduced time for adaptive steps, the fraction of that
+/// step for fixed ones.
 pub(crate) fn end(
     reduced: &Pendulum<f64>,
     (config, pace): (&IntegratorConfig, &Pace),

@@ -119,9 +119,9 @@ impl<'de> Deserialize<'de> for Decimal {
     }
 }
 
-/// Maximum length of a number in characters; longer strings are not meant as numbers.
+/// Maximum length of a number in characters; longer text is not read as a number.
 pub(super) const MAX_CHARACTERS: usize = 1000;
-/// Maximum magnitude of a decimal exponent; larger ones are not meant as numbers either.
+/// Maximum magnitude of a decimal exponent; text with a larger one is not read as a number.
 const MAX_EXPONENT: usize = 2000;
 
 /// Parses a decimal number; `None` if the text is not one. Exponents are allowed, digit separators

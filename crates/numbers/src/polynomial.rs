@@ -62,7 +62,7 @@ pub fn bernstein<T: Scalar, const N: usize>(coefficients: &[T; N]) -> [T; N] {
 /// The course over [0, 1] of a polynomial that begins on one side of zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Course<T> {
-    /// The first x in (0, 1] at which it is no longer on that side.
+    /// The first x in (0, 1] at which the polynomial is no longer on that side.
     pub change: Option<T>,
     /// Lower bound on its distance from zero until it finally falls to zero.
     pub clearance: T,

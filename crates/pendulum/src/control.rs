@@ -25,9 +25,9 @@ pub struct Control {
     pub safety: f64,
 }
 
-/// Least factor from one step to the next.
+/// Smallest allowed ratio of a step to the one before.
 pub const SHRINK: f64 = 0.2;
-/// Greatest factor from one step to the next.
+/// Largest allowed ratio of a step to the one before.
 pub const GROW: f64 = 5.0;
 /// Maximum length of a step, so that a bob turns by far less than half a turn in one.
 pub const MAX_STEP: f64 = 1.0;

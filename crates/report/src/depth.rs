@@ -65,7 +65,7 @@ pub struct DepthRow {
     pub steps_per_pixel: f64,
     /// Microseconds per pixel of that picture, with the reference known: the median of the rounds.
     pub us_per_pixel: f64,
-    /// The same by the way in which pixels are computed, for `balanced` on f64.
+    /// The same time for each way to compute the pixels; only for `balanced` on f64.
     pub us_by_way: Option<UsByWay>,
 }
 

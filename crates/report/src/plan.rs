@@ -61,7 +61,7 @@ impl Thoroughness {
     };
 }
 
-/// Every config that is requested from an engine, those that share a kernel side by side.
+/// Every config that is requested from an engine. Those that share a kernel are adjacent.
 pub(crate) fn configs(quick: bool) -> Vec<IntegratorConfig> {
     let rk4 = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
     let dopri5 = |tolerance| Method::Dopri5 { tolerance };

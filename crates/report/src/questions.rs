@@ -36,7 +36,7 @@ pub struct QuestionRow {
     pub us_per_pixel: f64,
     /// Number of pixels compared with the gold standard.
     pub compared: usize,
-    /// Share of those that are right.
+    /// Share of the compared pixels that are right.
     pub right: f64,
     /// Median error, in the unit of the tolerance; infinite if half have no answer or a wrong one.
     pub median_error: Option<f64>,

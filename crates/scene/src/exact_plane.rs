@@ -36,7 +36,7 @@ impl ExactPlane {
     pub const AT_REST: ExactPlane =
         ExactPlane { places: [0, 1], origin: [Exact::ZERO; 4], doublings: 0, section: None };
 
-    /// Returns a checked plane in exact numbers.
+    /// Converts a checked plane to exact numbers.
     pub(crate) fn new(plane: &Plane, build: &PendulumSpec) -> Self {
         let axes = plane.axes();
         let section = axes.contains(&Axis::Momentum2).then(|| Section {

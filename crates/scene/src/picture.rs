@@ -174,7 +174,7 @@ impl PictureTable {
     pub(crate) const LIGHTS_DEG: std::ops::RangeInclusive<f64> = -360.0..=360.0;
     /// Range of the times that colours can stand for, s.
     pub const SECS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
-    /// Largest number of times in a stretched range.
+    /// Largest number of entries in `times`.
     pub const MAX_TIMES: usize = 257;
 
     /// Longest side of a picture in pixels.

@@ -199,9 +199,9 @@ impl Pins {
         self.show();
     }
 
-    /// Returns the time in s up to which the clock may advance, and true if all flights have ended;
-    /// none without a pin. That is the known end of the shortest flight under way or, without one,
-    /// of the longest flight.
+    /// Returns the time in s up to which the clock may advance, and true if all flights are
+    /// complete: then it is the end of the longest flight, otherwise the time up to which all
+    /// incomplete flights are known. Returns `None` if there are no pins.
     fn known(&self) -> Option<(f64, bool)> {
         let ends = |complete: bool| {
             let records = self.list.iter().map(|pin| pin.flight.record());

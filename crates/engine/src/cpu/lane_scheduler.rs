@@ -232,8 +232,8 @@ impl<'a> LaneScheduler<'a> {
         }
     }
 
-    /// Records a lane's outcome, and its end and state if the job keeps them; leaves the lane idle.
-    /// `end` computes the end.
+    /// Records a lane's outcome and, if the job keeps them, its state and its end, which `end`
+    /// computes; then makes the lane idle.
     pub(super) fn finish(
         &mut self,
         lane: usize,

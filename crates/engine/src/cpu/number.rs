@@ -28,7 +28,7 @@ pub(super) trait Number: Real {
     fn changed(phase: &Phase<Self>, change: &Phase<Self>) -> Phase<Self>;
 }
 
-/// The lanes' unit vectors and momenta from the rows of their numbers, which are in the order of
+/// Loads the lanes' unit vectors and momenta from `rows`, which are in the order of
 /// [`crate::start::PHASE`].
 #[inline(always)]
 pub(super) fn load_phase<N: Number>(

@@ -20,7 +20,7 @@ use flipmap_pendulum::phase::rk4;
 use flipmap_pendulum::tangents::{LARGE, Tangents};
 use flipmap_pendulum::{Outcome, Pendulum, Status};
 
-/// Pendulums in the lanes of a register with their tangents.
+/// Pendulums and their tangents in the lanes of a register.
 struct TangentLanes<N: Number> {
     pendulum: Pendulum<Dual<4, N, N::Leading>>,
     inverse_scale: [Dual<4, N, N::Leading>; 2],

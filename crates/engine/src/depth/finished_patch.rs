@@ -87,7 +87,7 @@ impl FinishedPatch {
         budget == self.budget || (is_before && !matches!(self.ending, PatchEnd::Over))
     }
 
-    /// Mean rate at which neighbours moved apart, in decades per second; 0 where they did not.
+    /// Mean rate in decades per second at which neighbours part; 0 if negative or unreliable.
     fn decades_a_second(&self, dynamics: &Dynamics, secs: f64) -> f64 {
         let decades = (self.patch.spread(dynamics) / self.half_side).log10();
         // A path not much longer than the opening gives no reliable rate.

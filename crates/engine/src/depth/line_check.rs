@@ -101,8 +101,8 @@ impl LineCheck<'_> {
         self.patch.phase.map(|jet| jet.at(EDGES[place.round][place.start]))
     }
 
-    /// Returns the point on the line of a check's start. A start without one is compared with the
-    /// middle of the line, which contradicts it.
+    /// Returns the point on the line that belongs to a check's start. If there is none, returns the
+    /// middle of the line, so that the comparison fails.
     fn point(&self, place: CheckPlace) -> CurvePoint {
         let nowhere = CurvePoint { s: 0.0, ahead: 0.0, aside: 0.0 };
         self.curve.point(self.dynamics, &self.edge(place)).unwrap_or(nowhere)

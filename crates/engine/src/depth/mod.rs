@@ -127,7 +127,7 @@ impl<'a> DepthEngine<'a> {
         })
     }
 
-    /// Makes the engine integrate every start whose outcome polynomials do not give.
+    /// Turns lines off: the engine integrates every start for which polynomials give no outcome.
     pub fn without_lines(mut self) -> Self {
         self.lines = false;
         self

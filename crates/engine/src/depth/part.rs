@@ -59,7 +59,7 @@ pub(super) enum BranchState {
     Ended(Arc<FinishedPatch>),
 }
 
-/// A patch with the forbidden region's edge.
+/// A patch and the edge of the forbidden region, if there is one.
 #[derive(Clone)]
 pub(super) struct SplitNode {
     pub patch: FlowPatch,

@@ -109,8 +109,8 @@ impl Design {
         })
     }
 
-    /// Returns the kernel that computes pairs of f32 in this way, or the same kernel for any other
-    /// number type.
+    /// Returns the kernel with `pairs` as its arithmetic for pairs of f32. A kernel of another
+    /// number type is returned unchanged.
     pub fn with_pairs(self, pairs: Pairs) -> Self {
         if self.precision == Precision::Df32 { Design { pairs, ..self } } else { self }
     }

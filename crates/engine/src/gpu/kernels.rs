@@ -1,9 +1,9 @@
 //! The kernels that an engine keeps, and the thread that compiles more of them in the background.
 //!
 //! For a window, a new scene is answered at once by the general kernel, which reads the scene as
-//! data. Its own kernel is compiled once the scene has rested, so that a slider in motion compiles
-//! nothing. The two kernels round differently, so a picture is computed by the kernel it began
-//! with.
+//! data. The scene's own kernel is compiled once the scene has rested, so that a slider in motion
+//! compiles nothing. The two kernels round differently, so a picture is computed by the kernel it
+//! began with.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};

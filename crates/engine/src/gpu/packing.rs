@@ -43,12 +43,12 @@ impl Packing {
         2 + usize::from(self == Packing::StepsAndMoment)
     }
 
-    /// Returns true if the number of steps is among the words.
+    /// Returns true if the words include the number of steps.
     pub(super) fn is_stepped(self) -> bool {
         self != Packing::Moment
     }
 
-    /// Returns true if the second part of the moment is among the words.
+    /// Returns true if the words include the second part of the moment.
     pub(super) fn has_rest(self) -> bool {
         self != Packing::Steps
     }

@@ -146,8 +146,8 @@ impl Slot {
         Ok(slot)
     }
 
-    /// Submits slices, one after the other; each fits its dispatches to the pendulums that the one
-    /// before left.
+    /// Submits slices, which run one after another. Each sizes its dispatches for the pendulums
+    /// that are still running.
     pub(super) fn submit_slices(&mut self, gpu: &Gpu, slices: Slices) {
         self.head.slice_steps = slices.steps;
         gpu.write(&self.buffers.job, 0, bytes_of(&self.head));

@@ -48,7 +48,7 @@ impl Run {
         Run { nudge, ..self }
     }
 
-    /// Error scale of its configuration from the release, in rad.
+    /// Error scale of the configuration in rad, for an integration from the release.
     pub(super) fn scale_from_rest(&self) -> f64 {
         error_scale(&self.config)
     }

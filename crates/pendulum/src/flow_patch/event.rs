@@ -26,10 +26,10 @@ pub(super) enum PatchEvent {
     Unclear,
     /// A crossing by all starts.
     Pass(Box<PatchCrossing>),
-    /// A pass of the middle by the bob of this index, so slow that the bobs of other starts may
-    /// turn round before the top.
+    /// A pass by the bob of this index in the middle start, so slow that in other starts the bob
+    /// may turn round before the top.
     NearlyGraze(usize),
-    /// The return of the middle from a graze by the bob of this index.
+    /// The return of the bob of this index from a graze in the middle start.
     Back(usize),
     /// A turn in which some starts may flip; true if the middle is beyond the top after it.
     Graze(Box<Graze>, bool),

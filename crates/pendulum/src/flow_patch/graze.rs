@@ -11,7 +11,7 @@ pub struct Graze {
     /// The sign of the bob's sine before it reaches the top.
     pub(super) side: f64,
     pub(super) time: f64,
-    /// Delay of the other starts' turns after that of the middle.
+    /// Delay of each start's turn after that of the middle start, in reduced time.
     pub(super) shift: Jet,
     /// Height beyond the top at the turn, in rad (as a sine).
     pub(super) height: Jet,

@@ -40,8 +40,8 @@ impl CurveBand {
         bands.get((row / BLOCK - first / BLOCK) as usize)
     }
 
-    /// Returns the share of a pixel of the band that the energy curve covers, from its distance to
-    /// the pixel's middle.
+    /// Returns the share of a pixel in this band that the energy curve covers, calculated from the
+    /// curve's distance to the pixel's middle.
     pub(crate) fn cover(&self, grid: &Grid, column: u32, row: u32) -> f64 {
         if !self.near[(column / BLOCK) as usize] {
             return 0.0;

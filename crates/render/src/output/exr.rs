@@ -185,8 +185,8 @@ fn begin(bytes: &mut Vec<u8>, header: &Header) -> exr::error::UnitResult {
     Header::write_all(from_ref(header), bytes, false)
 }
 
-/// Converts an error of the encoder, which only writes to memory, so it is never an error of the
-/// file.
+/// Converts an error of the encoder. The encoder only writes to memory, so it never meets an I/O
+/// error.
 fn cause(error: Error) -> io::Error {
     io::Error::other(error)
 }

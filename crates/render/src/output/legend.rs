@@ -92,7 +92,7 @@ impl Sheet {
         Sheet { letter, width, rows: Vec::new(), next: 0.6 * letter }
     }
 
-    /// Returns the left edge of everything.
+    /// Returns the left edge of all elements.
     fn left(&self) -> f32 {
         1.2 * self.letter
     }

@@ -78,7 +78,7 @@ fn packer() -> Compress {
     Compress::new(Compression::new(LEVEL), false)
 }
 
-/// Compresses the bytes from `first` on with deflate, up to a whole byte.
+/// Deflates the bytes from `first` on, with those before as dictionary; ends on a whole byte.
 fn packed(packer: &mut Compress, bytes: &[u8], first: usize) -> Vec<u8> {
     packer.reset();
     let (before, block) = bytes.split_at(first);

@@ -74,7 +74,7 @@ pub struct Explorer {
     next: Option<ViewTarget>,
     /// Key of the target's physics.
     key: usize,
-    /// Moment at which that physics became the target's.
+    /// Moment at which the target's physics last changed.
     key_since: Option<Instant>,
     /// Key of the latest earlier physics that was known all over the view and answers the same
     /// question.

@@ -88,7 +88,7 @@ fn answers(
     Ok(Some(samples))
 }
 
-/// Draws random pixels: always the same ones for a view, and different ones for another view.
+/// Draws random pixels; the seed depends only on the centre and width of the view.
 fn random_pixels(scene: &Scene, size: [u32; 2]) -> Vec<[u32; 2]> {
     let text = scene.view.center.concat() + &scene.view.width;
     let seed =

@@ -46,8 +46,8 @@ pub(super) struct Wanted {
     pub pass: CellPass,
 }
 
-/// Returns the cells that a target needs, pass by pass, without those of finer levels; at most
-/// `most` different ones.
+/// Returns the cells that a target needs, except those of finer levels, pass by pass. At most
+/// `most` of them are distinct.
 pub(super) fn wanted(target: &ViewTarget, most: usize) -> Vec<Wanted> {
     let mut own = nearest_first(target, target.level);
     own.truncate(most);

@@ -64,7 +64,7 @@ impl Refinement {
     }
 }
 
-/// Returns the quarters of a cell's samples that are not all plain.
+/// Returns, for each quarter of a cell, true if any of its samples is not plain.
 pub(super) fn edges(samples: &Samples) -> Quarters {
     let half = (SIDE / 2) as i32;
     [[0, 0], [half, 0], [0, half], [half, half]].map(|[left, top]| {

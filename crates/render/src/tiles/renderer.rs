@@ -44,8 +44,8 @@ impl TryFrom<Chosen> for Renderer {
 }
 
 impl Renderer {
-    /// Chooses and starts the engine of a request. Pixels are checked at the level `exact`, or if
-    /// the request says so.
+    /// Chooses and starts the engine of a request. Pixels are checked if the request says so or
+    /// asks for the level `exact`.
     pub fn new(request: &EngineRequest) -> Result<Self, ChoiceError> {
         Ok(Renderer::try_from(choose(request, &|_| {})?)?)
     }

@@ -145,7 +145,7 @@ fn answers(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
 }
 
 impl HardBench<'_> {
-    /// Quantities gathered along a thrown pendulum of the orbits until the end of the budget.
+    /// Integrates a thrown pendulum to the end of the budget; returns the quantities gathered.
     fn ended(
         &mut self,
         launch: Launch,

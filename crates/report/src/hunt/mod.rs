@@ -186,7 +186,7 @@ impl Hunt {
     }
 }
 
-/// The referee before the samples of a window.
+/// The samples of a window and the referee that judges them.
 struct Jury<'a> {
     samples: &'a Samples,
     judged: Judged<'a>,

@@ -191,7 +191,7 @@ impl Scenes {
         self.random.choice(all).unwrap_or(TargetRegion::Anywhere)
     }
 
-    /// A way to compute the next window.
+    /// Draws the way in which the next window is computed.
     pub(super) fn how(&mut self, kind: Option<EngineKind>) -> How {
         How::draw(&mut self.random, kind)
     }

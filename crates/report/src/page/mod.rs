@@ -20,7 +20,7 @@ enum Block {
     Table(Table),
     /// A plot with a caption.
     Plot(String, Plot),
-    /// A title that opens and closes what it stands for.
+    /// A title that opens and closes the blocks under it.
     Fold(String, Vec<Block>),
 }
 

@@ -31,7 +31,7 @@ pub(super) struct Plot {
     pub series: Vec<Series>,
 }
 
-/// The engine and the config of a point.
+/// The engine, the config and the coordinates of a point.
 pub(super) type Point = (String, IntegratorConfig, [f64; 2]);
 
 /// Number of a method's colour.
@@ -248,7 +248,7 @@ fn grid(across: &Axis, up: &Axis) -> String {
     vertical.chain(horizontal).collect()
 }
 
-/// Names beside their points, each moved up until it covers no other.
+/// Writes names beside their points, each moved up until it overlaps no earlier one.
 fn placed(names: &[(&str, [f64; 2])]) -> String {
     let mut taken: Vec<[f64; 3]> = Vec::new();
     let mut text = String::new();

@@ -116,7 +116,7 @@ impl GhostPair {
         }
     }
 
-    /// Takes a step of the pendulum, enough of the ghost for it to catch up, and a reading.
+    /// Advances the pendulum by a step and the ghost at least as far, then takes a reading.
     fn advance(&mut self, fresh: &mut Record) -> Option<FlightEnding> {
         let Some(step) = self.own.step(&mut fresh.own, self.until) else {
             return Some(FlightEnding::NotFinite);

@@ -15,7 +15,7 @@ const STEPS: usize = 384;
 #[derive(Clone, Debug)]
 pub struct Trail {
     step_secs: f64,
-    /// Number of the first point: its moment in steps since the release.
+    /// Time of the first point, in steps since the release.
     first: usize,
     angles: VecDeque<[f64; 2]>,
 }

@@ -275,7 +275,7 @@ mod tests {
         RawOutcome { status, ..RawOutcome::default() }
     }
 
-    /// The statuses of pendulums, or the error that some were lost.
+    /// Returns the statuses of pendulums, or an error message if some were lost.
     fn statuses(all: &[RawOutcome]) -> Result<Vec<Status>, String> {
         let all = all_ended(all.len(), |k| all[k], |_, status| Outcome::without_time(status));
         all.map(|all| all.iter().map(|outcome| outcome.status).collect())

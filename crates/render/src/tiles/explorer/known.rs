@@ -31,8 +31,8 @@ impl Explorer {
     }
 
     /// Works like [`Explorer::known`], but also finds cells of which only the samples at edges were
-    /// computed. Their samples must have had the target's budget: with less, fewer would have
-    /// flipped than in the cells beside them.
+    /// computed, and skips cells computed with less than the target's budget, in which fewer
+    /// samples have flipped than in the cells beside them.
     pub fn known_finer(&mut self, cell: Cell) -> Option<(&CachedCell, bool)> {
         let set = self.finer_set(cell)?;
         let (computed, mirrored) = cell.computed(self.mirrors(self.key));
