@@ -158,8 +158,7 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
 /// method, or if profiles do not compare engines by it.
 fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let configs = request.configs();
-    let on_cpu = configs.iter().any(CpuEngine::offers);
-    if on_cpu && !configs.iter().any(Adapter::has_kernels) {
+    if !configs.iter().any(Adapter::has_kernels) {
         let why = "only the processor has this method and precision";
         return cpu(request, if cfg!(feature = "gpu") { why } else { INSTALL_HINT }.to_string());
     }

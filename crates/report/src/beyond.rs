@@ -38,7 +38,7 @@ pub struct WindowRow {
     /// Flip times of the window's starts.
     #[serde(flatten)]
     pub flips: Flips,
-    /// The target: the least share of right pixels.
+    /// The share of right pixels that is promised.
     pub least_right: f64,
 }
 

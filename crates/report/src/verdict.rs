@@ -36,9 +36,9 @@ fn wrong(report: &Report) -> String {
     let parts: Vec<String> =
         [window(report), checks(report), hard(&report.hard)].into_iter().flatten().collect();
     match parts.split_last() {
-        None => "Nothing beyond the home map was measured.".to_string(),
-        Some((last, [])) => format!("Beyond the home map, {last}."),
-        Some((last, others)) => format!("Beyond the home map, {}, and {last}.", others.join("; ")),
+        None => "No windows, checks or hard cases were measured.".to_string(),
+        Some((last, [])) => format!("In further tests, {last}."),
+        Some((last, others)) => format!("In further tests, {}, and {last}.", others.join("; ")),
     }
 }
 
@@ -57,10 +57,11 @@ fn checks(report: &Report) -> Option<String> {
     let all: Checks = home.chain(report.late.iter().map(|row| row.checks)).sum();
     let found = match (all.unchecked_wrong, all.unmarked_wrong) {
         (0, 0) => "found no wrong pixel".to_string(),
+        (0, n) => format!("left {n} wrong pixels UNMARKED"),
         (wrong, 0) => format!("found {} of {wrong} wrong pixels", all.caught()),
         (wrong, n) => format!("found {} of {wrong} wrong pixels, left {n} UNMARKED", all.caught()),
     };
-    let sentence = format!("exact, which checks every pixel, {found} among {}", all.pixels);
+    let sentence = format!("exact, which checks every pixel, {found} among {} answers", all.pixels);
     (all.pixels > 0).then_some(sentence)
 }
 
@@ -88,14 +89,14 @@ mod tests {
             "On this machine, balanced takes 6.00 µs per pixel (cpu), and ",
             "66.667 % of the 3 pixels",
             "“filigree” is the least accurate of 1 windows (66.667 % right)",
-            "found no wrong pixel among 13, and 1 of 1 hard cases",
+            "found no wrong pixel among 13 answers, and 1 of 1 hard cases",
         ] {
             assert!(text.contains(words), "{words}: {text}");
         }
         report.hard[0].held = false;
         let checks = report.exact[0].checks.as_mut().unwrap();
         (checks.unchecked_wrong, checks.corrected) = (5, 3);
-        assert!(verdict(&report).contains("found 3 of 5 wrong pixels among 13"));
+        assert!(verdict(&report).contains("found 3 of 5 wrong pixels among 13 answers"));
         report.exact[0].checks.as_mut().unwrap().unmarked_wrong = 2;
         let text = verdict(&report);
         assert!(
@@ -111,8 +112,7 @@ mod tests {
         assert!(verdict(&report).contains("On this machine, lesson"));
         let none = verdict(&Report::default());
         assert!(
-            none.contains("speed of the accuracy levels was not")
-                && none.contains("Nothing beyond")
+            none.contains("speed of the accuracy levels was not") && none.contains("No windows")
         );
     }
 }

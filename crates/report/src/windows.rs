@@ -113,7 +113,7 @@ impl Window {
         spread(&open_starts(&self.scene(), SIDE), count)
     }
 
-    /// The target: the least share of right pixels.
+    /// The share of right pixels that is promised.
     pub(super) fn least_right(&self) -> f64 {
         if self.rule == Rule::First { 0.98 } else { 0.99 }
     }

@@ -71,6 +71,11 @@ pub(super) fn plot(report: &Report) -> Block {
     Block::Plot(caption.to_string(), plot)
 }
 
+/// Returns a count as it is, and a share with four decimals.
+fn rounded(value: f64) -> String {
+    if value.fract() == 0.0 { value.to_string() } else { format!("{value:.4}") }
+}
+
 /// The chapter on accuracy levels.
 pub(super) fn levels(report: &Report) -> Option<Block> {
     let levels = levels_of(report);
@@ -85,9 +90,7 @@ pub(super) fn levels(report: &Report) -> Option<Block> {
         &[
             ("what holds", |claim| claim.name.clone()),
             ("promised", |claim| claim.promised.clone()),
-            ("measured", |claim| {
-                claim.measured.map_or("–".to_string(), |value| value.to_string())
-            }),
+            ("measured", |claim| claim.measured.map_or("–".to_string(), rounded)),
             ("holds", |claim| if claim.met == Some(false) { "NO" } else { "yes" }.to_string()),
         ],
     );
