@@ -31,7 +31,7 @@
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 // States, steps and verdicts have parts that only kernels read.
-#![cfg_attr(not(feature = "gpu"), allow(dead_code, unused_imports))]
+#![cfg_attr(not(feature = "gpu"), allow(dead_code))]
 
 pub mod adapters;
 pub mod background;

@@ -13,15 +13,14 @@ pub struct Claim {
     #[serde(rename = "target")]
     pub promised: String,
     /// Measured value.
-    pub measured: Option<f64>,
+    pub measured: f64,
     /// True if the claim holds.
-    pub met: Option<bool>,
+    pub met: bool,
 }
 
 impl Claim {
     fn new(name: String, promised: &str, measured: f64, value: f64) -> Self {
-        let (measured, met) = (Some(measured), Some(measured == value));
-        Claim { name, promised: promised.to_string(), measured, met }
+        Claim { name, promised: promised.to_string(), measured, met: measured == value }
     }
 }
 
@@ -55,12 +54,12 @@ mod tests {
     fn each_claim_can_fail_and_none_is_made_without_a_measurement() {
         let mut report = fixtures::report();
         let held = |report: &Report| claims(report).iter().map(|c| c.met).collect::<Vec<_>>();
-        assert_eq!(held(&report), [Some(true); 3]);
+        assert_eq!(held(&report), [true; 3]);
         report.late[0].checks.unmarked_wrong = 1;
-        assert_eq!(held(&report), [Some(true), Some(false), Some(true)]);
+        assert_eq!(held(&report), [true, false, true]);
         report.hard[0].held = false;
         report.exact[0].checks.as_mut().unwrap().unmarked_wrong = 1;
-        assert_eq!(held(&report), [Some(false); 3]);
-        assert_eq!(held(&Report::default()), []);
+        assert_eq!(held(&report), [false; 3]);
+        assert_eq!(held(&Report::default()), [false; 0]);
     }
 }

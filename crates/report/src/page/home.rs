@@ -90,8 +90,8 @@ pub(super) fn levels(report: &Report) -> Option<Block> {
         &[
             ("what holds", |claim| claim.name.clone()),
             ("promised", |claim| claim.promised.clone()),
-            ("measured", |claim| claim.measured.map_or("–".to_string(), rounded)),
-            ("holds", |claim| if claim.met == Some(false) { "NO" } else { "yes" }.to_string()),
+            ("measured", |claim| rounded(claim.measured)),
+            ("holds", |claim| if claim.met { "yes" } else { "NO" }.to_string()),
         ],
     );
     let checked: Vec<&Row> = report.exact.iter().filter(|row| row.checks.is_some()).collect();
