@@ -253,15 +253,7 @@ impl Engine for Background {
                 Err(TryRecvError::Empty) if !finished.is_empty() => break,
                 Err(TryRecvError::Empty) => {}
             }
-            let waited = match wait {
-                Wait::UntilFinished => {
-                    self.answers.recv().map_err(|_| RecvTimeoutError::Disconnected)
-                }
-                Wait::Until(moment) => {
-                    self.answers.recv_timeout(moment.saturating_duration_since(Instant::now()))
-                }
-            };
-            match waited {
+            match wait.receive(&self.answers) {
                 Ok(answer) => finished.extend(self.take(answer).transpose()?),
                 Err(RecvTimeoutError::Timeout) => break,
                 Err(RecvTimeoutError::Disconnected) => return Err(Self::gone()),

@@ -60,6 +60,7 @@ mod starts;
 pub mod threads;
 pub mod trust;
 
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::Instant;
 
 use flipmap_numbers::{Dd, Exact, Scalar};
@@ -252,6 +253,18 @@ pub enum Wait {
     Until(Instant),
 }
 
+impl Wait {
+    /// Returns the next message of a channel; fails once the time is up or the senders are gone.
+    pub(crate) fn receive<T>(self, channel: &Receiver<T>) -> Result<T, RecvTimeoutError> {
+        match self {
+            Wait::UntilFinished => channel.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            Wait::Until(moment) => {
+                channel.recv_timeout(moment.saturating_duration_since(Instant::now()))
+            }
+        }
+    }
+}
+
 /// Errors of an engine.
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
@@ -294,7 +307,8 @@ pub enum EngineError {
 }
 
 /// An interface to anything that computes jobs. No method blocks except [`Engine::poll`] when asked
-/// to wait.
+/// to wait. A mutable reference to an engine is an engine, too.
+#[auto_impl::auto_impl(&mut)]
 pub trait Engine {
     /// Takes a job. The caller keeps at most [`Engine::slots`] of them in flight.
     fn submit(&mut self, job: Job) -> Result<(), EngineError>;
@@ -326,56 +340,5 @@ pub trait Engine {
     /// that are known without this engine.
     fn distrusts(&self) -> bool {
         false
-    }
-}
-
-/// A mutable reference to an engine is an engine.
-impl<E: Engine + ?Sized> Engine for &mut E {
-    fn submit(&mut self, job: Job) -> Result<(), EngineError> {
-        (**self).submit(job)
-    }
-
-    fn poll(&mut self, wait: Wait) -> Result<Vec<JobResult>, EngineError> {
-        (**self).poll(wait)
-    }
-
-    fn cancel(&mut self) {
-        (**self).cancel();
-    }
-
-    fn begin_picture(&mut self) {
-        (**self).begin_picture();
-    }
-
-    fn slots(&self) -> usize {
-        (**self).slots()
-    }
-
-    fn job_size(&self) -> usize {
-        (**self).job_size()
-    }
-
-    fn kind(&self) -> EngineKind {
-        (**self).kind()
-    }
-
-    fn adapter(&self) -> String {
-        (**self).adapter()
-    }
-
-    fn offers(&self, config: &IntegratorConfig) -> bool {
-        (**self).offers(config)
-    }
-
-    fn checks_by(&self, config: &IntegratorConfig) -> bool {
-        (**self).checks_by(config)
-    }
-
-    fn gpu_stats(&self) -> Option<GpuStats> {
-        (**self).gpu_stats()
-    }
-
-    fn distrusts(&self) -> bool {
-        (**self).distrusts()
     }
 }

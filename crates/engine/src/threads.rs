@@ -1,8 +1,24 @@
-//! The number of threads of a pool, by default and at most.
+//! Pools of threads, and their number by default and at most.
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::EngineError;
 
 /// Largest number of threads for each core: more would only keep the machine busy with switching
 /// between them.
 const MAX_THREADS_PER_CORE: usize = 2;
+
+/// Starts a pool of `threads` threads, or of one per core, each named after the pool.
+pub(crate) fn thread_pool(
+    name: &'static str,
+    threads: Option<usize>,
+) -> Result<ThreadPool, EngineError> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads.unwrap_or_else(default_threads))
+        .thread_name(move |index| format!("{name}-{index}"))
+        .build()
+        .map_err(|error| EngineError::Unsupported(format!("cannot start threads: {error}")))
+}
 
 /// Returns the default number of threads of a pool: one per core, or as many as `RAYON_NUM_THREADS`
 /// says, at most two per core. Several pools can run at the same time: those of the engine, of deep

@@ -28,8 +28,7 @@ pub use pair::{Dop853, Dopri5, EmbeddedPair};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::Instant;
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -39,7 +38,7 @@ use self::number::{Compensated, Two};
 use self::pair::{Midpoints, OnCubic, OnQuartic};
 use self::taylor_pair::TaylorPair;
 use super::pace::{Adaptive, Pace, Steps};
-use super::threads::default_threads;
+use super::threads::thread_pool;
 use super::{
     Engine, EngineError, EngineKind, FinalState, IntegratorConfig, Job, JobResult, Keep, Method,
     Precision, Wait, WantedEnds, start,
@@ -81,11 +80,7 @@ struct FinishedChunk {
 impl CpuEngine {
     /// An engine on `threads` threads, or on one for every core.
     pub fn new(threads: Option<usize>) -> Result<Self, EngineError> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.unwrap_or_else(default_threads))
-            .thread_name(|index| format!("engine-{index}"))
-            .build()
-            .map_err(|error| EngineError::Unsupported(format!("cannot start threads: {error}")))?;
+        let pool = thread_pool("engine", threads)?;
         let (sender, receiver) = channel();
         Ok(CpuEngine { pool, flying: HashMap::new(), cancelled: Arc::default(), sender, receiver })
     }
@@ -194,15 +189,7 @@ impl Engine for CpuEngine {
             if !finished.is_empty() || self.flying.is_empty() {
                 break;
             }
-            let landed = match wait {
-                Wait::UntilFinished => {
-                    self.receiver.recv().map_err(|_| RecvTimeoutError::Disconnected)
-                }
-                Wait::Until(moment) => {
-                    self.receiver.recv_timeout(moment.saturating_duration_since(Instant::now()))
-                }
-            };
-            match landed {
+            match wait.receive(&self.receiver) {
                 Ok(landed) => finished.extend(self.take(landed)),
                 Err(_) => break,
             }

@@ -58,7 +58,7 @@ pub use self::following::Following;
 use self::lines::{LineSamples, Need, samples_of};
 pub use self::stats::DepthStats;
 use self::takeoff::{Purpose, SubJob, by_time};
-use super::threads::default_threads;
+use super::threads::thread_pool;
 use super::{
     Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, JobResult, Keep, Moving,
     Starts, Wait, WantedEnds,
@@ -100,11 +100,7 @@ const TURN: Duration = Duration::from_millis(2);
 impl<'a> DepthEngine<'a> {
     /// Follows deep starts for `inner` on `threads` threads, or on one for every core.
     pub fn new(inner: Box<dyn Engine + 'a>, threads: Option<usize>) -> Result<Self, EngineError> {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads.unwrap_or_else(default_threads))
-            .thread_name(|index| format!("depth-{index}"))
-            .build()
-            .map_err(|error| EngineError::Unsupported(format!("cannot start threads: {error}")))?;
+        let pool = thread_pool("depth", threads)?;
         let (sender, receiver) = channel();
         Ok(DepthEngine {
             inner,
