@@ -93,7 +93,7 @@ fn the_first_start_shows_a_card_once() {
     first.state_mut().save();
     let mut again = model(Folders::under(folder.path()), None);
     assert!(!shown(&again));
-    again.state_mut().state.apply(Action::Toggle(flipmap_window::state::Dialog::Card));
+    again.state_mut().act(vec![Action::Toggle(flipmap_window::state::Dialog::Card)]);
     again.run_steps(2);
     click(&mut again, "Look around");
     assert!(!shown(&again));
@@ -175,7 +175,7 @@ fn the_energy_curve_is_that_of_the_tiles_that_are_drawn() {
     let before = model.state.build;
     let mut scene: Scene = model.state.scene();
     scene.build.masses[1] = 3.0.into();
-    model.state.apply(Action::Scene(Box::new(scene)));
+    model.act(vec![Action::Scene(Box::new(scene))]);
     let config: IntegratorConfig = model.compute.config().unwrap();
     let target = model.state.view_target(config);
     model.compute.explorer.target(&target);
@@ -219,6 +219,6 @@ fn the_pinned_path_is_drawn_while_the_panels_are_hidden_and_frames_are_asked_for
     desktop.run_steps(3);
     assert!(delay(&desktop) > Duration::from_secs(1), "paused");
     let at = desktop.state().state.camera;
-    desktop.state_mut().state.apply(Action::Look(Look::To(Camera { width_rad: 1.0, ..at })));
+    desktop.state_mut().act(vec![Action::Look(Look::To(Camera { width_rad: 1.0, ..at }))]);
     settle(&mut desktop);
 }

@@ -3,21 +3,24 @@
 
 use super::camera::Camera;
 use super::integration::Integration;
-use super::model::AppModel;
+use super::state::AppState;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::{Cells, EngineKind, IntegratorConfig, Precision};
 use flipmap_scene::lattice::pitch_rad;
 
-impl AppModel {
-    /// Returns the request for an engine that answers the question with the settings of the panels.
-    /// Without f64 on the card, growth and returns go to the processor, because their kernels in
+impl AppState {
+    /// Returns a request for an engine that answers the question with the settings of the panels:
+    /// otherwise it is `base`. `config` is what the engine that is open computes with. Without f64 on the card, growth and returns go to the processor, because their kernels in
     /// pairs of f32 take minutes to compile.
-    pub(super) fn engine_request(&self) -> EngineRequest {
-        let Integration { kind, spec, .. } = &self.state.integration;
+    pub(super) fn engine_request(
+        &self,
+        base: &EngineRequest,
+        config: Option<IntegratorConfig>,
+    ) -> EngineRequest {
+        let Integration { kind, spec, .. } = &self.integration;
         let (setting, verify) = (spec.setting, spec.verify);
-        let request = EngineRequest { kind: *kind, setting, verify, ..self.request.clone() };
-        let request = request.answering(&self.state.question);
-        let config = self.compute.config();
+        let request = EngineRequest { kind: *kind, setting, verify, ..base.clone() };
+        let request = request.answering(&self.question);
         let is_in_pairs = config.is_some_and(|config| config.precision == Precision::Df32);
         if request.ends.are_carried() && is_in_pairs {
             return EngineRequest { kind: Some(EngineKind::Cpu), ..request };
@@ -27,16 +30,11 @@ impl AppModel {
 
     /// Widens a view whose neighbouring pixels would be the same number, and tells the user.
     /// Returns true if it did.
-    pub(super) fn make_answerable(&mut self) -> bool {
-        self.compute.config().is_some_and(|config| self.make_view_fit(config))
-    }
-
-    fn make_view_fit(&mut self, config: IntegratorConfig) -> bool {
-        let scene = self.state.scene();
-        if scene.has_cells() {
+    pub(super) fn make_answerable(&mut self, config: IntegratorConfig) -> bool {
+        if self.scene().has_cells() {
             return false;
         }
-        let screen = self.state.aimed_screen();
+        let screen = self.aimed_screen();
         let units = screen.camera.reach.units();
         let fits = |level: &u32| Cells::Never.check(&config, units * pitch_rad(*level)).is_ok();
         if fits(&screen.level()) {
@@ -45,12 +43,12 @@ impl AppModel {
         let coarser = (0..=screen.level()).rev().find(fits).unwrap_or(0);
         let factor = 2f64.powi((screen.level() - coarser) as i32);
         let camera = Camera { width_rad: screen.camera.width_rad * factor, ..screen.camera };
-        self.state.notices.tell(format!(
+        self.notices.tell(format!(
             "The view stays wider for this plane or question: neighbouring starts would be one \
              number in {}.",
             config.precision
         ));
-        self.state.go(camera);
+        self.go(camera);
         true
     }
 }

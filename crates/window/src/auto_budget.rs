@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::camera::Camera;
 use super::compute_service::Wake;
-use super::model::AppModel;
+use super::state::AppState;
 use flipmap_scene::{Budget, PendulumSpec, QuestionSettings, Scene};
 
 /// Returns a scene's question. Its budget is made automatic if it equals the guess for the scene's
@@ -27,6 +27,25 @@ pub(super) struct AutoBudget {
 }
 
 impl AutoBudget {
+    /// Fits an automatic budget to the view, or to the view at the end of a move. Returns true if
+    /// the budget has changed.
+    pub(super) fn fit(&mut self, state: &mut AppState, wake: &Wake) -> bool {
+        // Only flips from rest get a longer budget where the view is deeper.
+        if !state.question.budget.auto || !state.scene().is_flip_from_rest() {
+            *self = AutoBudget::default();
+            return false;
+        }
+        let view = (state.build, state.target());
+        if !state.dragging {
+            self.ask(view, || state.document().scene(), wake);
+        }
+        let heard = self.listen();
+        let Some(budget) = heard.or(self.of(view)) else { return false };
+        let news = budget != state.question.budget;
+        state.question.budget = budget;
+        news
+    }
+
     /// Starts to settle the budget of a view from its `scene`, unless the view was the last one
     /// asked for or another is being settled.
     fn ask(&mut self, view: (PendulumSpec, Camera), scene: impl FnOnce() -> Scene, wake: &Wake) {
@@ -58,29 +77,6 @@ impl AutoBudget {
     /// Returns the settled budget of a view, if it is the one last asked for.
     fn of(&self, view: (PendulumSpec, Camera)) -> Option<Budget> {
         self.settled.filter(|_| self.asked == Some(view))
-    }
-}
-
-impl AppModel {
-    /// Fits an automatic budget to the view, or to the view at the end of a move. Returns true if
-    /// the budget has changed.
-    pub(super) fn settle_budget(&mut self) -> bool {
-        let state = &self.state;
-        let budgets = &mut self.estimates.auto_budget;
-        // Only flips from rest get a longer budget where the view is deeper.
-        if !state.question.budget.auto || !state.scene().is_flip_from_rest() {
-            *budgets = AutoBudget::default();
-            return false;
-        }
-        let view = (state.build, state.target());
-        if !state.dragging {
-            budgets.ask(view, || state.document().scene(), &self.wake);
-        }
-        let heard = budgets.listen();
-        let Some(budget) = heard.or(budgets.of(view)) else { return false };
-        let news = budget != state.question.budget;
-        self.state.question.budget = budget;
-        news
     }
 }
 

@@ -59,7 +59,7 @@ impl AppModel {
         }
         let hovered = self.state.pointer.map(|point| {
             let [place, _] = hover::sample_at(screen.angle_at(point), screen.level());
-            Hovered { place, answer: self.answer_at(place) }
+            Hovered { place, answer: self.state.answer_at(&mut self.compute.explorer, place) }
         });
         let rect = ui.available_rect_before_wrap();
         let mut actions = map(ui, &self.state, frame, hovered, self.drawn_curve());

@@ -7,15 +7,15 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use super::action::{Action, Look};
 use super::camera::Camera;
 use super::compute_service::{Wake, lower_priority};
-use super::model::AppModel;
+use super::film::Films;
 use super::panels::descent::DescentAction;
 use super::reach::Reach;
+use super::state::AppState;
 use flipmap_engine::choice::{ChoiceError, EngineRequest, choose};
 use flipmap_engine::{EngineError, EngineKind};
 use flipmap_render::tiles::descent::{Descent, DescentStep};
-use flipmap_render::tiles::explorer::ViewProgress;
 use flipmap_render::tiles::view_target::ViewTarget;
-use flipmap_scene::{Document, Scene};
+use flipmap_scene::Scene;
 
 /// A descent on a thread with an engine of its own. Dropping it stops the descent.
 #[derive(Debug)]
@@ -92,74 +92,69 @@ impl DescentPath {
     }
 }
 
-impl AppModel {
+impl Films {
     /// Starts a descent towards the pointer, or towards the middle without one; stops a running
     /// descent.
-    pub(super) fn toggle_descent(&mut self) {
-        if self.films.descent.running.take().is_some() {
+    pub(super) fn toggle_descent(
+        &mut self,
+        state: &mut AppState,
+        request: &EngineRequest,
+        wake: &Wake,
+    ) {
+        if self.descent.running.take().is_some() {
             return;
         }
-        if let Err(error) = self.state.scene().require_flip_from_rest() {
-            self.state.notices.fail(format!("Nothing leads deeper here: {error}."));
+        if let Err(error) = state.scene().require_flip_from_rest() {
+            state.notices.fail(format!("Nothing leads deeper here: {error}."));
             return;
         }
-        let screen = self.state.screen();
-        let pointer = self.state.pointer.unwrap_or_default();
+        let screen = state.screen();
+        let pointer = state.pointer.unwrap_or_default();
         let towards = (screen.offset_at(pointer) / screen.camera.width_rad).to_array();
         // Deep places show nothing unless the budget grows with the depth.
-        self.state.question.budget.auto = true;
-        let scene = self.state.document().scene();
-        self.films.descent.scenes = vec![scene.clone()];
-        let request =
-            EngineRequest { setting: self.state.integration.spec.setting, ..self.request.clone() };
-        self.films.descent.running =
-            Some(BackgroundDescent::start(scene, towards, request, Arc::clone(&self.wake)));
+        state.question.budget.auto = true;
+        let scene = state.document().scene();
+        self.descent.scenes = vec![scene.clone()];
+        let request = EngineRequest { setting: state.integration.spec.setting, ..request.clone() };
+        self.descent.running =
+            Some(BackgroundDescent::start(scene, towards, request, Arc::clone(wake)));
     }
 
-    /// Follows the running descent once its last view has been reached and is half drawn. Returns
-    /// true if the descent had news.
-    pub(super) fn follow_descent(&mut self) -> bool {
-        let ViewProgress { share, .. } = self.progress();
-        if self.state.moving.is_some() || share < 0.5 {
+    /// Follows the running descent once its last view has been reached and half of it is drawn:
+    /// `share` says how much is. Returns true if the descent had news.
+    pub(super) fn follow_descent(&mut self, state: &mut AppState, share: f64) -> bool {
+        if state.moving.is_some() || share < 0.5 {
             return false;
         }
-        let Some(news) = self.films.descent.running.as_ref().and_then(BackgroundDescent::news)
-        else {
+        let Some(news) = self.descent.running.as_ref().and_then(BackgroundDescent::news) else {
             return false;
         };
         match news {
             DescentNews::To(scene) => {
-                self.state.glide(Camera::from_view(&scene.view, Reach::TORUS));
-                self.films.descent.scenes.push(*scene);
+                state.glide(Camera::from_view(&scene.view, Reach::TORUS));
+                self.descent.scenes.push(*scene);
             }
             DescentNews::Over(why) => {
-                self.films.descent.running = None;
-                let offers = self.offer_film();
+                self.descent.running = None;
+                let offers = self.offer_film(state);
                 let offer =
                     if offers { " The Film panel now has the descent as a film." } else { "" };
-                self.state.notices.tell(format!("{why}{offer}"));
+                state.notices.tell(format!("{why}{offer}"));
             }
         }
         true
     }
 
-    /// Stops the descent if the user moves the view, changes the scene or closes something.
-    pub(super) fn stop_descent_for(&mut self, action: &Action) {
-        let moves = matches!(action, Action::Look(look) if *look != Look::Release);
-        if moves || matches!(action, Action::Escape | Action::Show(_) | Action::Scene(_)) {
-            self.films.descent.running = None;
-        }
-    }
-
-    pub(super) fn deeper(&mut self, action: DescentAction) -> Option<Action> {
+    /// Carries out an action of the panel of descents; returns the action for the map, if any.
+    pub(super) fn deeper(&mut self, action: DescentAction, state: &AppState) -> Option<Action> {
         match action {
             DescentAction::Toggle => Some(Action::GoDeeper),
             DescentAction::Open(k) => {
-                let scene = self.films.descent.scenes.get(k)?;
+                let scene = self.descent.scenes.get(k)?;
                 Some(Action::Look(Look::To(Camera::from_view(&scene.view, Reach::TORUS))))
             }
             DescentAction::Film => {
-                self.films.draft.take_descent(self.descent_documents().into_iter());
+                self.draft_descent(state);
                 Some(Action::Panel("Film"))
             }
         }
@@ -167,21 +162,21 @@ impl AppModel {
 
     /// Offers the views of a descent as a film, unless the user has begun another film. Returns
     /// true if it did.
-    fn offer_film(&mut self) -> bool {
-        let is_free = self.films.draft.keys.is_empty() || self.films.draft.of_descent;
-        if self.films.descent.scenes.len() < 2 || !is_free {
+    fn offer_film(&mut self, state: &mut AppState) -> bool {
+        let is_free = self.draft.keys.is_empty() || self.draft.of_descent;
+        if self.descent.scenes.len() < 2 || !is_free {
             return false;
         }
-        self.films.draft.take_descent(self.descent_documents().into_iter());
-        (self.state.shown.side, self.state.shown.panel) = (true, Some("Film"));
+        self.draft_descent(state);
+        state.open_panel("Film");
         true
     }
 
-    /// Returns the views of the descent in the colours that are shown.
-    fn descent_documents(&self) -> Vec<Document> {
-        let shown = self.state.document();
-        let scenes = self.films.descent.scenes.iter().cloned();
-        scenes.map(|scene| shown.clone().with_scene(scene)).collect()
+    /// Makes the views of the descent, in the colours that are shown, the keys of a film.
+    fn draft_descent(&mut self, state: &AppState) {
+        let shown = state.document();
+        let scenes = self.descent.scenes.iter().cloned();
+        self.draft.take_descent(scenes.map(|scene| shown.clone().with_scene(scene)));
     }
 }
 

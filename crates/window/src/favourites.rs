@@ -1,7 +1,7 @@
 //! Colours kept under the digits of the keyboard.
 
-use super::model::AppModel;
 use super::settings::Settings;
+use super::state::AppState;
 use flipmap_scene::PictureTable;
 
 /// The digits under which colours can be kept.
@@ -55,19 +55,18 @@ impl Settings {
     }
 }
 
-impl AppModel {
+impl AppState {
     /// Keeps the colours of the map under a digit.
-    pub(super) fn keep_favourite(&mut self, digit: u8) {
-        let state = &mut self.state;
-        self.settings.keep_colours(digit, &state.picture, !state.spreads);
-        state.notices.tell(format!("The key {digit} brings these colours back."));
+    pub(super) fn keep_favourite(&mut self, digit: u8, settings: &mut Settings) {
+        settings.keep_colours(digit, &self.picture, !self.spreads);
+        self.notices.tell(format!("The key {digit} brings these colours back."));
     }
 
     /// Paints the map in the colours kept under a digit.
-    pub(super) fn show_favourite(&mut self, digit: u8) {
-        match self.settings.kept_colours(digit, &self.state.picture) {
-            Ok(picture) => self.state.paint(picture),
-            Err(why) => self.state.notices.tell(why),
+    pub(super) fn show_favourite(&mut self, digit: u8, settings: &Settings) {
+        match settings.kept_colours(digit, &self.picture) {
+            Ok(picture) => self.paint(picture),
+            Err(why) => self.notices.tell(why),
         }
     }
 }

@@ -4,25 +4,20 @@ use super::auto_budget::following;
 use super::camera::Camera;
 use super::history::History;
 use super::reach::Reach;
-use super::state::{AppState, Effect};
+use super::state::AppState;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_scene::{Document, RunTable, Scene, location};
 
 impl AppState {
     /// Shows a document's pendulum, view and colours, with the accuracy that it states, if any.
-    pub(super) fn show(&mut self, document: &Document) -> Option<Effect> {
+    /// Returns true if another engine has to be opened.
+    pub(super) fn show(&mut self, document: &Document) -> bool {
         let scene = document.scene();
-        let question = following(&scene);
-        let same =
-            (scene.build, question, &scene.plane) == (self.build, self.question, &self.plane);
-        self.ask(&Scene { question, ..scene.clone() });
+        self.ask(&Scene { question: following(&scene), ..scene.clone() });
         self.picture = document.picture.clone();
         self.layers.curve = document.picture.curve;
         self.go(Camera::from_view(&scene.view.fitted(self.canvas.to_array()), self.camera.reach));
-        if self.compute_as(&document.run) {
-            return Some(Effect::Reopen);
-        }
-        (!same).then_some(Effect::Relaunch)
+        self.compute_as(&document.run)
     }
 
     /// Changes the pendulum, the question and the plane. A plane of another kind gets its home
@@ -73,7 +68,8 @@ impl AppState {
         }
     }
 
-    pub(super) fn paste(&mut self, text: &str) -> Option<Effect> {
+    /// Shows a pasted location. Returns true if another engine has to be opened.
+    pub(super) fn paste(&mut self, text: &str) -> bool {
         match location::parse(text) {
             Ok(scene) => {
                 let picture = self.document().picture;
@@ -81,7 +77,7 @@ impl AppState {
             }
             Err(error) => {
                 self.notices.fail(format!("What was pasted is not a location: {error}."));
-                None
+                false
             }
         }
     }

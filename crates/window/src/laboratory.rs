@@ -2,13 +2,12 @@
 
 use egui::{Align2, ScrollArea, Ui, vec2};
 
-use super::action::{Action, LabAction, Look};
+use super::action::{Action, LabAction};
 use super::camera::Camera;
 use super::hover;
 use super::model::AppModel;
 use super::reach::Reach;
 use super::settings::Settings;
-use super::state::Effect;
 use flipmap_lab::flips::{Seen, explain};
 use flipmap_lab::{Figure, FigureRequest, story};
 use flipmap_numbers::{Exact, Scalar};
@@ -42,16 +41,20 @@ impl AppModel {
         Settings::within_ui_scales(self.state.look.ui_scale * factor)
     }
 
-    /// Returns the action that takes effect where the user is: a figure that hides the map takes
-    /// Play or pause, and Escape leaves the projector mode if no dialog is open.
-    pub(super) fn in_place(&self, action: Action) -> Action {
+    /// Plays or pauses the figure that hides the map, otherwise what flies on the map.
+    pub(super) fn play_or_pause(&mut self) {
+        match self.lab_hides_map() {
+            true => self.in_lab(LabAction::PlayPause),
+            false => self.state.play_or_pause(),
+        }
+    }
+
+    /// Leaves the projector mode if no dialog is open, otherwise closes what is.
+    pub(super) fn escape(&mut self) {
         let dialogs = self.state.shown.help || self.state.shown.commands;
-        match action {
-            Action::PlayPause if self.lab_hides_map() => Action::InLab(LabAction::PlayPause),
-            Action::Escape if self.is_projecting() && !dialogs => {
-                Action::InLab(LabAction::Projector)
-            }
-            other => other,
+        match self.is_projecting() && !dialogs {
+            true => self.in_lab(LabAction::Projector),
+            false => self.state.escape(),
         }
     }
 
@@ -185,16 +188,16 @@ impl AppModel {
         let origin = ["0".to_string(), "0".to_string(), omega1, omega2];
         let plane = Plane { origin, ..Plane::default() };
         if self.state.plane != plane {
-            let scene = Scene { plane, ..self.state.scene() };
-            self.act(vec![Action::Scene(Box::new(scene))]);
+            self.state.ask(&Scene { plane, ..self.state.scene() });
+            self.follow(false);
         }
         let home = Camera::whole(Reach::TORUS);
         let width_rad = home.width_rad * PART;
         let center = start.angle.map(|angle| Exact::from_f64(angle).wrapped());
         let camera = Camera { center, width_rad, ..home };
-        self.act(vec![Action::Look(Look::To(camera))]);
+        self.state.go(camera);
         let level = self.state.aimed_screen().level();
-        self.perform(Effect::Pin(Box::new(hover::sample_at(camera.center, level))));
+        self.pin(hover::sample_at(camera.center, level));
     }
 }
 

@@ -2,21 +2,19 @@
 //! on disk; everything except the window itself. Any egui context can show it, so tests need no
 //! window.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::Ui;
 
 use super::action::Action;
-use super::camera::Camera;
 use super::canvas::MapRenderer;
 use super::commands::{choices, commands, pressed};
 use super::compute_service::{ComputeService, Wake};
-use super::descent::DescentPath;
 use super::dialog::FileDialog;
-use super::export::Export;
-use super::film_draft::FilmDraft;
+use super::exports::Exports;
+use super::film::Films;
 use super::film_run::FilmCommand;
 use super::folders::Folders;
 use super::meter::Meter;
@@ -30,13 +28,14 @@ use super::panels::view::ViewForm;
 use super::panels::{accuracy, card, help, notices};
 use super::places::Places;
 use super::settings::{Appearance, Loaded, Settings, Store};
+use super::spread::ColourSpread;
 use super::state::{AppState, Effect};
 use super::swing::HoverSwing;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_lab::{Figure, Lab};
 use flipmap_render::tiles::explorer::ViewProgress;
-use flipmap_scene::{BuiltIn, Document, PictureTable, RunTable};
+use flipmap_scene::{BuiltIn, Document, RunTable};
 
 /// Options for opening a window.
 #[derive(Clone, Debug)]
@@ -72,17 +71,6 @@ pub(super) struct Forms {
     pub(super) exporting: bool,
 }
 
-/// Films in a window, and the descent that may become one.
-#[derive(Debug, Default)]
-pub struct Films {
-    /// Film that is being planned.
-    pub draft: FilmDraft,
-    /// Command that makes films, if the window has one.
-    pub(super) command: Option<FilmCommand>,
-    /// Descent that is running, or the views of the last one.
-    pub descent: DescentPath,
-}
-
 /// The app model behind a window.
 pub struct AppModel {
     /// Plain state that is shown.
@@ -98,7 +86,7 @@ pub struct AppModel {
     pub(super) places: Places,
     pub(super) forms: Forms,
     pub(super) thumbnails: Thumbnails,
-    pub(super) exports: Vec<Export>,
+    pub(super) exports: Exports,
     pub(super) asking: Option<Asking>,
     /// Films, and the descent that may become one.
     pub films: Films,
@@ -110,8 +98,7 @@ pub struct AppModel {
     saved: LastSave,
     /// Lines for the debug panel, set by the owner of the window.
     pub measured: Vec<String>,
-    /// View over whose times the colours were last spread, and true if it was complete.
-    pub(super) spread_for: Option<(Camera, bool)>,
+    pub(super) spread: ColourSpread,
 }
 
 /// The settings that the file holds, and the time of the last save.
@@ -179,7 +166,7 @@ impl AppModel {
             forms: Forms { place: PlaceForm::named(places.free_name()), ..Forms::default() },
             places,
             thumbnails: Thumbnails::default(),
-            exports: Vec::new(),
+            exports: Exports::default(),
             asking: None,
             films: Films { command: options.film_command, ..Films::default() },
             estimates: Estimates::default(),
@@ -188,7 +175,7 @@ impl AppModel {
             wake,
             saved: LastSave { settings: None, at: Instant::now() },
             measured: Vec::new(),
-            spread_for: None,
+            spread: ColourSpread::default(),
         }
     }
 
@@ -199,23 +186,29 @@ impl AppModel {
         if self.lab_hides_map() {
             return false;
         }
-        let settled = self.make_answerable() || self.settle_budget();
-        let (state, descent) = (&self.state, &self.films.descent);
+        let (state, wake) = (&mut self.state, &self.wake);
+        let settled = self.compute.config().is_some_and(|config| state.make_answerable(config))
+            || self.estimates.auto_budget.fit(state, wake);
+        let descent = &self.films.descent;
         let target = |config| descent.passing(state.view_target(config));
         let turn = self.compute.turn(target, Instant::now() + WORK);
         self.meter.read(Instant::now(), self.compute.explorer.counts().simulated);
         if let Some(failure) = turn.failure {
-            self.state.notices.fail(failure);
+            state.notices.fail(failure);
             return true;
         }
         if turn.news {
-            self.show_pins();
+            state.tell_pins(&mut self.compute.explorer);
         }
-        let progress = self.progress();
-        self.estimates.time_left.read(self.state.target(), &progress, Instant::now());
-        let spread = self.spread_colours();
-        let news = self.follow_descent();
-        let foreseen = self.foresee();
+        let progress = self.compute.explorer.progress();
+        self.estimates.time_left.read(state.target(), &progress, Instant::now());
+        let spread = self.spread.follow(state, &mut self.compute.explorer);
+        let news = self.films.follow_descent(state, progress.share);
+        // Views passed during a descent are left before anyone could read a warning about them.
+        let stays = self.films.descent.running.is_none();
+        let complete = progress.idle && progress.wanted > 0;
+        let config = self.compute.config().filter(|_| complete && stays);
+        let foreseen = self.estimates.forecast.follow(state, config, wake);
         settled || turn.news || spread || news || foreseen
     }
 
@@ -234,7 +227,7 @@ impl AppModel {
     pub fn show(&mut self, ui: &mut Ui) -> Vec<Effect> {
         let ctx = ui.ctx().clone();
         let mut actions = self.keys(&ctx);
-        actions.extend(self.play_film(&ctx));
+        actions.extend(self.films.play(&ctx, &mut self.state));
         let mut commands = commands(&self.state);
         if self.state.shown.commands {
             commands.extend(choices(&self.state.picture));
@@ -368,28 +361,6 @@ impl AppModel {
     pub(crate) fn save_sometimes(&mut self) {
         if self.saved.at.elapsed() > SAVE_EVERY {
             self.save();
-        }
-    }
-
-    /// Shows a file: a picture written by this program, a scene, or a gradient as the palette.
-    pub(super) fn open(&mut self, path: &Path) {
-        if let Some(gradient) = flipmap_render::output::read_gradient(path) {
-            match gradient {
-                Ok(palette) => {
-                    self.state.picture = PictureTable { palette, ..self.state.picture.clone() };
-                }
-                Err(error) => self.state.notices.fail(format!("{error}.")),
-            }
-            return;
-        }
-        match flipmap_render::output::read_document(path) {
-            Ok(document) => {
-                self.settings.remember(path);
-                if let Some(effect) = self.state.apply(Action::Show(Box::new(document))) {
-                    self.perform(effect);
-                }
-            }
-            Err(error) => self.state.notices.fail(format!("{error}.")),
         }
     }
 }

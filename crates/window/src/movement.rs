@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::action::Look;
 use super::camera::{Camera, Move, MovePace};
 use super::state::AppState;
+use flipmap_numbers::Exact;
 
 impl AppState {
     /// Returns true if neither the user nor a move in progress moves the map.
@@ -54,6 +55,11 @@ impl AppState {
     /// Moves to a camera: smoothly, or with a jump if the user prefers it.
     pub(super) fn go(&mut self, to: Camera) {
         self.go_at(to, MovePace::Quick);
+    }
+
+    /// Centres the map on a start.
+    pub(super) fn find(&mut self, angle: [Exact; 2]) {
+        self.go(Camera { center: angle, ..self.target() });
     }
 
     /// Glides to a camera, as slowly as a descent goes.

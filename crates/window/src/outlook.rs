@@ -7,7 +7,7 @@ use std::sync::{Arc, mpsc::TryRecvError};
 
 use super::auto_budget::AutoBudget;
 use super::compute_service::Wake;
-use super::model::AppModel;
+use super::state::AppState;
 use super::time_left::TimeLeft;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::cpu::CpuEngine;
@@ -44,9 +44,30 @@ struct OutlookThread {
 }
 
 impl Forecast {
+    /// Asks for the outlook on a view that `balanced` has computed. `config` is what computed it;
+    /// none while the view is not complete. Returns true if there is news.
+    pub(super) fn follow(
+        &mut self,
+        state: &AppState,
+        config: Option<IntegratorConfig>,
+        wake: &Wake,
+    ) -> bool {
+        let spec = &state.integration.spec;
+        let is_balanced = spec.setting == IntegrationSetting::Accuracy(Accuracy::Balanced);
+        if !is_balanced || spec.verify || !state.scene().is_flip_from_rest() {
+            // Views that are checked or computed otherwise need no outlook.
+            *self = Forecast::default();
+            return false;
+        }
+        if let Some(config) = config.filter(|_| state.moving.is_none()) {
+            self.ask(state.view_target(config), || state.document().scene(), wake);
+        }
+        self.listen()
+    }
+
     /// Asks for the outlook on a view, unless it is the one last asked for; `scene` returns its
     /// scene.
-    pub(super) fn ask(&mut self, target: ViewTarget, scene: impl FnOnce() -> Scene, wake: &Wake) {
+    fn ask(&mut self, target: ViewTarget, scene: impl FnOnce() -> Scene, wake: &Wake) {
         let target = ViewTarget { pointer: None, refinements: 0, ..target };
         if self.asked.as_ref() == Some(&target) {
             return;
@@ -68,13 +89,8 @@ impl Forecast {
         });
     }
 
-    /// Forgets the outlook, because the view is checked or not computed at `balanced`.
-    pub(super) fn forget(&mut self) {
-        *self = Forecast::default();
-    }
-
     /// Takes an outlook that has been found; returns true if there is news.
-    pub(super) fn listen(&mut self) -> bool {
+    fn listen(&mut self) -> bool {
         if let Some(flying) = &self.flying {
             match flying.answer.try_recv() {
                 Ok(outlook) => (self.known, self.flying) = (Some(outlook), None),
@@ -91,31 +107,6 @@ impl Forecast {
         let outlook = self.known?;
         let percent = 100.0 * (1.0 - outlook.expected_right());
         Some((format!("{percent:.0} % beyond the horizon"), outlook.warning()?))
-    }
-}
-
-impl AppModel {
-    /// Asks for the outlook on a view that `balanced` has computed; returns true if there is news.
-    pub(super) fn foresee(&mut self) -> bool {
-        let unchecked = self.state.integration.spec.setting
-            == IntegrationSetting::Accuracy(Accuracy::Balanced)
-            && !self.state.integration.spec.verify
-            && self.state.scene().is_flip_from_rest();
-        if !unchecked {
-            self.estimates.forecast.forget();
-            return false;
-        }
-        let progress = self.progress();
-        // Views passed during a descent are left before anyone could read a warning about them.
-        let stays = self.state.moving.is_none() && self.films.descent.running.is_none();
-        let config =
-            self.compute.config().filter(|_| progress.idle && progress.wanted > 0 && stays);
-        if let Some(config) = config {
-            let state = &self.state;
-            let scene = || state.document().scene();
-            self.estimates.forecast.ask(state.view_target(config), scene, &self.wake);
-        }
-        self.estimates.forecast.listen()
     }
 }
 

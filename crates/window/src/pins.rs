@@ -235,6 +235,13 @@ impl Pins {
         self.show();
     }
 
+    /// Removes the pin that the last click made.
+    pub(crate) fn remove_clicked(&mut self) {
+        if let Some(id) = self.clicked.take() {
+            self.remove(id);
+        }
+    }
+
     /// Follows a change of the scene: if the pendulum or the question has changed, relaunches all
     /// flights and forgets the outcomes that the map showed for the pins.
     pub(crate) fn relaunch(&mut self, scene: &Scene, wake: impl Fn() + Clone + Send + 'static) {

@@ -8,7 +8,7 @@ use super::model::AppModel;
 use super::panels::accuracy::{Computing, accuracy_panel};
 use super::panels::colours::colours_panel;
 use super::panels::descent::{self, descent_panel};
-use super::panels::export::{ExportStatus, export_panel};
+use super::panels::export::export_panel;
 use super::panels::film::film_panel;
 use super::panels::layers::layers_panel;
 use super::panels::pendulum::pendulum_panel;
@@ -81,7 +81,9 @@ impl AppModel {
                 let DescentPath { running: descent, scenes } = &self.films.descent;
                 let view = descent::DescentView { going: descent.is_some(), scenes };
                 let done = descent_panel(ui, &view);
-                actions.extend(done.into_iter().filter_map(|action| self.deeper(action)));
+                actions.extend(
+                    done.into_iter().filter_map(|action| self.films.deeper(action, &self.state)),
+                );
             });
             panels.show("Scene", false, |ui| {
                 let changed = scene_panel(ui, &self.state.scene());
@@ -99,7 +101,7 @@ impl AppModel {
             let map_px = (self.state.canvas * self.state.pixels_per_point).round().as_uvec2();
             self.forms.export.follow(map_px.to_array(), &self.state.picture);
             let exporting = panels.show("Export", false, |ui| {
-                let statuses = self.export_statuses();
+                let statuses = self.exports.statuses();
                 for action in export_panel(ui, &self.forms.export, &statuses) {
                     self.export(action);
                 }
@@ -118,7 +120,7 @@ impl AppModel {
 
     /// Shows the film panel.
     fn film_section(&mut self, ui: &mut Ui) -> Vec<Action> {
-        let done = film_panel(ui, &self.films.draft, &self.export_statuses());
+        let done = film_panel(ui, &self.films.draft, &self.exports.statuses());
         done.into_iter().filter_map(|action| self.film(action)).collect()
     }
 
@@ -190,19 +192,5 @@ impl AppModel {
             failed: self.compute.has_failed(),
             cost_us,
         }
-    }
-
-    fn export_statuses(&self) -> Vec<ExportStatus> {
-        let name = |path: &std::path::Path| {
-            path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-        };
-        self.exports
-            .iter()
-            .map(|export| ExportStatus {
-                name: name(export.path()),
-                stage: export.stage(),
-                is_film: export.is_film(),
-            })
-            .collect()
     }
 }

@@ -1,10 +1,7 @@
 //! The state of the window as plain data, and how actions change it.
 
-use std::path::PathBuf;
-
 use glam::DVec2;
 
-use super::action::{Action, LabAction};
 use super::auto_budget::following;
 use super::camera::{Camera, Move, Screen};
 use super::colour_cycle::ColourCycle;
@@ -14,12 +11,10 @@ use super::integration::Integration;
 use super::notices::Notices;
 use super::pins::{PinAction, Pins};
 use super::reach::Reach;
-use super::settings::{Appearance, Layers, Settings};
+use super::settings::{Appearance, Layers};
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::{Accuracy, IntegratorConfig};
-use flipmap_lab::Figure;
 use flipmap_numbers::Exact;
-use flipmap_pendulum::State;
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::{Document, PendulumSpec, PictureTable, Plane, QuestionSettings, Scene};
 
@@ -65,7 +60,7 @@ pub struct OpenDialogs {
     pub cycle: ColourCycle,
 }
 
-/// An effect of an action that has to be carried out outside the plain state.
+/// An effect of an action that only the window can have.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
     /// Closes the window.
@@ -74,30 +69,6 @@ pub enum Effect {
     FullScreen,
     /// Puts a text into the clipboard.
     Copy(String),
-    /// Asks the user for a file.
-    AskForFile,
-    /// Reads a file and shows what is in it.
-    Open(PathBuf),
-    /// Opens an engine for the setting.
-    Reopen,
-    /// Launches a flight for the pixel and its neighbour at these places of the lattice.
-    Pin(Box<[[Exact; 2]; 2]>),
-    /// Starts or stops an automatic descent.
-    GoDeeper,
-    /// Shows a figure of the laboratory, or the map again.
-    Lab(Option<Figure>),
-    /// Acts on the laboratory.
-    InLab(LabAction),
-    /// Opens a start in a figure.
-    OpenInLab(Figure, State<f64>),
-    /// Shows a start on the map.
-    FromLab(State<f64>),
-    /// Paints the map in the colours kept under a digit.
-    Favourite(u8),
-    /// Keeps the colours of the map under a digit.
-    KeepFavourite(u8),
-    /// Relaunches the flights of the pins after a change of the physics.
-    Relaunch,
     /// Destroys the graphics device.
     LoseDevice,
 }
@@ -267,70 +238,8 @@ impl AppState {
         self.moving.is_some() || plays || self.shown.cycle.runs
     }
 
-    /// Applies an action of the user and returns the effect that remains to be carried out.
-    pub fn apply(&mut self, action: Action) -> Option<Effect> {
-        match action {
-            Action::Look(look) => self.look(look),
-            Action::Hover(point) => self.pointer = point,
-            Action::Drawing(drawing) => self.drawing = drawing,
-            Action::Pin(point) => return Some(Effect::Pin(Box::new(self.pixel_at(point)))),
-            Action::GoDeeper => return Some(Effect::GoDeeper),
-            Action::Lab(figure) => return Some(Effect::Lab(figure)),
-            Action::InLab(action) => return Some(Effect::InLab(action)),
-            Action::OpenInLab(figure, start) => return Some(Effect::OpenInLab(figure, start)),
-            Action::FromLab(start) => return Some(Effect::FromLab(start)),
-            Action::Unpin => {
-                if let Some(id) = self.pins.clicked.take() {
-                    self.pins.apply(PinAction::Remove(id));
-                }
-            }
-            Action::Pins(action) => self.pins.apply(action),
-            Action::PlayPause => self.play_or_pause(),
-            Action::Scene(scene) => {
-                self.ask(&scene);
-                return Some(Effect::Relaunch);
-            }
-            Action::Picture(picture) => self.paint(picture),
-            Action::ColourCycle(cycle) => self.shown.cycle = cycle,
-            Action::Favourite(digit) => return Some(Effect::Favourite(digit)),
-            Action::KeepFavourite(digit) => return Some(Effect::KeepFavourite(digit)),
-            Action::Timeline(clock) => self.set_timeline(clock),
-            Action::Accuracy(accuracy) => {
-                self.set_accuracy(accuracy);
-                return Some(Effect::Reopen);
-            }
-            Action::Engine(kind) => {
-                self.integration.kind = kind;
-                return Some(Effect::Reopen);
-            }
-            Action::TryAgain => return Some(Effect::Reopen),
-            Action::Layers(layers) => self.layers = layers,
-            Action::Panel(name) => (self.shown.side, self.shown.panel) = (true, Some(name)),
-            Action::Toggle(dialog) => self.toggle(dialog),
-            Action::Escape => self.escape(),
-            Action::Show(document) => return self.show(&document),
-            Action::Open(path) => return Some(Effect::Open(path)),
-            Action::AskForFile => return Some(Effect::AskForFile),
-            Action::Paste(text) => return self.paste(&text),
-            Action::CopyLocation => {
-                self.notices.tell("The location was copied: paste it anywhere, or here.");
-                return Some(Effect::Copy(flipmap_scene::location::text(&self.document().scene())));
-            }
-            Action::Find(angle) => self.go(Camera { center: angle, ..self.target() }),
-            Action::Dismiss(id) => self.notices.dismiss(id),
-            Action::UiScale(scale) => self.look.ui_scale = Settings::within_ui_scales(scale),
-            Action::Theme(theme) => self.look.theme = theme,
-            Action::Animate(animate) => self.look.animate = animate,
-            Action::Edges(edges) => self.look.edges = edges,
-            Action::FullScreen => return Some(Effect::FullScreen),
-            Action::LoseDevice => return Some(Effect::LoseDevice),
-            Action::Quit => return Some(Effect::Quit),
-        }
-        None
-    }
-
     /// Returns the starts of the sample drawn at a point, and of its neighbour to the right.
-    fn pixel_at(&self, point: DVec2) -> [[Exact; 2]; 2] {
+    pub(super) fn pixel_at(&self, point: DVec2) -> [[Exact; 2]; 2] {
         let screen = self.screen();
         super::hover::sample_at(screen.angle_at(point), screen.level())
     }
@@ -343,7 +252,7 @@ impl AppState {
 
     /// Shows the map up to the time of a clock, or whole again. Refuses a clock if answers are not
     /// times.
-    fn set_timeline(&mut self, clock: Option<Playback>) {
+    pub(super) fn set_timeline(&mut self, clock: Option<Playback>) {
         if clock.is_some() && !self.question.ask.is_time() {
             self.notices
                 .tell("Only flip times can be played; this question does not ask for a time.");
@@ -358,7 +267,8 @@ impl AppState {
         self.shown.timeline.map_or(budget_secs, |clock| clock.time_secs().min(budget_secs))
     }
 
-    fn play_or_pause(&mut self) {
+    /// Plays or pauses the clock of the map if it is open, otherwise that of the pins.
+    pub(super) fn play_or_pause(&mut self) {
         if let Some(clock) = &mut self.shown.timeline {
             let budget_secs = self.question.budget.secs;
             if clock.is_playing() { clock.pause() } else { clock.play(budget_secs) }
@@ -368,11 +278,13 @@ impl AppState {
         }
     }
 
-    fn set_accuracy(&mut self, accuracy: Accuracy) {
+    /// Sets the accuracy level.
+    pub(super) fn set_accuracy(&mut self, accuracy: Accuracy) {
         self.integration.spec = RunSpec::of_level(accuracy);
     }
 
-    fn toggle(&mut self, dialog: Dialog) {
+    /// Opens or closes a dialog.
+    pub fn toggle(&mut self, dialog: Dialog) {
         let shown = match dialog {
             Dialog::Side => &mut self.shown.side,
             Dialog::Help => &mut self.shown.help,
@@ -383,11 +295,23 @@ impl AppState {
         };
         *shown = !*shown;
         if dialog == Dialog::Debug && self.shown.debug {
-            (self.shown.side, self.shown.panel) = (true, Some("Measured"));
+            self.open_panel("Measured");
         }
     }
 
-    fn escape(&mut self) {
+    /// Opens a panel at the side.
+    pub(super) fn open_panel(&mut self, name: &'static str) {
+        (self.shown.side, self.shown.panel) = (true, Some(name));
+    }
+
+    /// Returns the location as a text, and tells the user that it was copied.
+    pub(super) fn copied_location(&mut self) -> String {
+        self.notices.tell("The location was copied: paste it anywhere, or here.");
+        flipmap_scene::location::text(&self.document().scene())
+    }
+
+    /// Closes whatever is open.
+    pub(super) fn escape(&mut self) {
         self.drawing = None;
         let OpenDialogs { help, commands, card, stage, lab, .. } = self.shown;
         // What lies on top is closed first.
@@ -414,16 +338,12 @@ pub(super) mod tests {
         AppState::new(&Document::default(), RunSpec::of_level(Accuracy::Balanced))
     }
 
-    fn look(state: &mut AppState, look: Look) {
-        assert_eq!(state.apply(Action::Look(look)), None);
-    }
-
     #[test]
     fn the_point_under_the_pointer_sticks() {
         let mut state = state();
         let grabbed = DVec2::new(300.0, -120.0);
         let angle = state.screen().angle_at(grabbed);
-        look(&mut state, Look::Drag(DVec2::new(-700.0, 55.0)));
+        state.look(Look::Drag(DVec2::new(-700.0, 55.0)));
         let screen = state.screen();
         let now = screen.point_of(screen.camera.offset_of(angle));
         assert!((now - (grabbed + DVec2::new(-700.0, 55.0))).length() < 1e-6, "{now}");
@@ -437,11 +357,11 @@ pub(super) mod tests {
         state.dragging = true;
         assert_eq!(wanted(&state), 0);
         state.dragging = false;
-        look(&mut state, Look::Zoom { factor: 4.0, about: DVec2::ZERO });
+        state.look(Look::Zoom { factor: 4.0, about: DVec2::ZERO });
         assert_eq!(wanted(&state), 0, "on the way");
         state.tick(1.0);
         assert_eq!(wanted(&state), 2);
-        state.apply(Action::Edges(EdgeSamples::One));
+        state.look.edges = EdgeSamples::One;
         assert_eq!(wanted(&state), 0);
     }
 
@@ -449,19 +369,19 @@ pub(super) mod tests {
     fn moves_are_interrupted_by_new_ones_and_end_in_the_history() {
         let mut state = state();
         let zoom = Look::Zoom { factor: 4.0, about: DVec2::ZERO };
-        look(&mut state, zoom);
+        state.look(zoom);
         assert!(state.tick(0.1));
         let midway = state.camera.width_rad;
         assert!((1.6..6.2).contains(&midway));
-        look(&mut state, zoom);
+        state.look(zoom);
         assert_eq!(state.camera.width_rad, midway, "no jump");
         assert!(!state.tick(1.0));
         assert!((state.camera.width_rad - std::f64::consts::TAU / 16.0).abs() < 1e-12);
         assert!(state.history.has_back());
-        look(&mut state, Look::Back);
+        state.look(Look::Back);
         state.tick(2.0);
         assert_eq!(state.camera, Camera::whole(Reach::TORUS));
-        look(&mut state, Look::Forward);
+        state.look(Look::Forward);
         state.tick(3.0);
         assert!((state.camera.width_rad - std::f64::consts::TAU / 16.0).abs() < 1e-12);
     }
@@ -469,8 +389,8 @@ pub(super) mod tests {
     #[test]
     fn without_animation_moves_are_jumps() {
         let mut state = state();
-        state.apply(Action::Animate(false));
-        look(&mut state, Look::Step(DVec2::new(0.5, 0.0)));
+        state.look.animate = false;
+        state.look(Look::Step(DVec2::new(0.5, 0.0)));
         assert!(!state.tick(0.0));
         assert!((state.camera.center[0].to_f64() - std::f64::consts::PI).abs() < 1e-12);
     }
@@ -478,14 +398,14 @@ pub(super) mod tests {
     #[test]
     fn a_box_fills_the_canvas() {
         let mut state = state();
-        state.apply(Action::Animate(false));
+        state.look.animate = false;
         let corners = [DVec2::new(100.0, 100.0), DVec2::new(420.0, 300.0)];
         let middle = state.screen().angle_at((corners[0] + corners[1]) / 2.0);
-        look(&mut state, Look::Box(corners));
+        state.look(Look::Box(corners));
         assert!((state.camera.width_rad - std::f64::consts::TAU / 4.0).abs() < 1e-12);
         assert!(state.camera.offset_of(middle).length() < 1e-12);
         let before = state.camera;
-        look(&mut state, Look::Box([DVec2::ZERO, DVec2::ONE]));
+        state.look(Look::Box([DVec2::ZERO, DVec2::ONE]));
         assert_eq!(state.camera, before, "a click that trembled");
     }
 
@@ -493,11 +413,10 @@ pub(super) mod tests {
     fn a_bad_paste_is_told_and_the_view_stays() {
         let mut state = state();
         let before = state.camera;
-        assert_eq!(state.apply(Action::Paste("https://example.org".to_string())), None);
+        assert!(!state.paste("https://example.org"));
         assert!(state.notices.iter().next().unwrap().text.contains("not a location"));
         assert_eq!(state.target(), before);
-        let paste = Action::Paste("flipmap:center=-1.66,0.1;width=0.4;budget=60".to_string());
-        assert_eq!(state.apply(paste), Some(Effect::Relaunch));
+        assert!(!state.paste("flipmap:center=-1.66,0.1;width=0.4;budget=60"));
         assert_eq!((state.question.budget.secs, state.target().width_rad), (60.0, 0.4));
     }
 
@@ -505,29 +424,28 @@ pub(super) mod tests {
     fn a_picture_is_computed_as_it_was_made() {
         let mut state = state();
         let mut document = Document::default();
-        assert_eq!(state.apply(Action::Show(Box::new(document.clone()))), None);
+        assert!(!state.show(&document));
         document.run.method = Some("rk4".to_string());
-        let shown = state.apply(Action::Show(Box::new(document.clone())));
-        assert_eq!(shown, Some(Effect::Reopen));
+        assert!(state.show(&document), "another engine");
         let IntegrationSetting::Explicit(config) = state.integration.spec.setting else {
             panic!("{:?}", state.integration.spec.setting)
         };
         assert_eq!(config.method, Method::LESSON);
         assert_eq!(state.document().run.step.as_deref(), Some("1/120"));
         document.run.tolerance = Some("much".to_string());
-        assert_eq!(state.apply(Action::Show(Box::new(document))), None);
+        assert!(!state.show(&document));
         assert!(state.notices.iter().next().unwrap().text.contains("`tolerance`"));
     }
 
     #[test]
     fn the_location_leads_back() {
         let mut state = state();
-        state.apply(Action::Animate(false));
-        look(&mut state, Look::Zoom { factor: 1e6, about: DVec2::new(211.0, 37.0) });
-        let Some(Effect::Copy(text)) = state.apply(Action::CopyLocation) else { panic!("no copy") };
+        state.look.animate = false;
+        state.look(Look::Zoom { factor: 1e6, about: DVec2::new(211.0, 37.0) });
+        let text = state.copied_location();
         let there = state.camera;
-        look(&mut state, Look::Home);
-        state.apply(Action::Paste(text));
+        state.look(Look::Home);
+        state.paste(&text);
         assert!(state.camera.offset_of(there.center).length() < 1e-5 * there.width_rad);
         assert_eq!(state.camera.width_rad, there.width_rad);
     }
@@ -535,13 +453,13 @@ pub(super) mod tests {
     #[test]
     fn another_plane_begins_at_home_and_another_question_in_its_own_colours() {
         let mut state = state();
-        state.apply(Action::Animate(false));
+        state.look.animate = false;
         let ask = |state: &mut AppState, change: fn(&mut Scene)| {
             let mut scene = state.scene();
             change(&mut scene);
-            assert_eq!(state.apply(Action::Scene(Box::new(scene))), Some(Effect::Relaunch));
+            state.ask(&scene);
         };
-        look(&mut state, Look::Zoom { factor: 8.0, about: DVec2::new(90.0, 10.0) });
+        state.look(Look::Zoom { factor: 8.0, about: DVec2::new(90.0, 10.0) });
         let before = state.camera;
         ask(&mut state, |scene| scene.question.ask = QuestionName::State);
         assert_eq!(state.camera, before);
@@ -552,7 +470,7 @@ pub(super) mod tests {
         assert_eq!(state.camera, Camera::whole(state.camera.reach));
         assert!(!state.camera.reach.repeats && !state.history.has_back());
         // A faster pendulum has a larger lattice, but the view shows the same starts.
-        look(&mut state, Look::Zoom { factor: 4.0, about: DVec2::ZERO });
+        state.look(Look::Zoom { factor: 4.0, about: DVec2::ZERO });
         let (width, reach) = (state.camera.width(), state.camera.reach);
         ask(&mut state, |scene| scene.build.gravity = 981.0.into());
         assert!(state.camera.reach != reach && (state.camera.width() / width - 1.0).abs() < 1e-9);
@@ -564,12 +482,12 @@ pub(super) mod tests {
         let config = IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
         let before = state.view_target(config);
         let picture = PictureTable { palette: "magma".to_string(), ..state.picture.clone() };
-        state.apply(Action::Picture(picture));
-        state.apply(Action::Layers(Layers { grid: true, ..state.layers }));
+        state.paint(picture);
+        state.layers.grid = true;
         assert_eq!(state.view_target(config), before);
         let question = QuestionSettings { budget: Budget::secs(60.0), ..state.question };
         let scene = Scene { question, ..state.scene() };
-        assert_eq!(state.apply(Action::Scene(Box::new(scene))), Some(Effect::Relaunch));
+        state.ask(&scene);
         assert_ne!(state.view_target(config), before);
     }
 }

@@ -4,14 +4,16 @@ use glam::DVec2;
 
 use super::camera::Screen;
 use super::hover::{Answer, known_near};
+use super::state::AppState;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_render::output::Picture;
 use flipmap_render::tiles::Stride;
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::palette::AnswerColours;
 
 /// Width and height of a bookmark's picture in pixels.
-pub(crate) const THUMBNAIL: [u32; 2] = [192, 144];
+const THUMBNAIL: [u32; 2] = [192, 144];
 
 /// Returns the known flip times of the samples in view at the screen's level.
 pub(crate) fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
@@ -46,12 +48,18 @@ pub(crate) fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> 
     times
 }
 
+/// Returns what is shown as a small picture; it is grey if the question cannot be painted.
+pub(crate) fn picture(state: &AppState, explorer: &mut Explorer) -> Picture {
+    let document = state.document();
+    let colours = AnswerColours::new(&document.scene(), &document.picture).ok();
+    let rgb = colours.map(|colours| thumbnail(&state.screen(), explorer, &colours));
+    let [width, height] = THUMBNAIL;
+    let rgb = rgb.unwrap_or_else(|| vec![0x80; (3 * width * height) as usize]);
+    Picture { document, size: THUMBNAIL, rgb }
+}
+
 /// Renders the view as a small picture, three bytes per pixel; unknown pixels are grey.
-pub(crate) fn thumbnail(
-    screen: &Screen,
-    explorer: &mut Explorer,
-    colours: &AnswerColours,
-) -> Vec<u8> {
+fn thumbnail(screen: &Screen, explorer: &mut Explorer, colours: &AnswerColours) -> Vec<u8> {
     const UNKNOWN: [u8; 3] = [0x80; 3];
     let [width, height] = THUMBNAIL;
     // The thumbnail shows the middle of the view, cropped to its own shape.

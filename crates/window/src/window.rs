@@ -193,8 +193,6 @@ impl Runner {
             }
             Effect::Copy(text) => open.host.ctx.copy_text(text),
             Effect::LoseDevice => open.host.lose_device(),
-            // The model carries out the other effects.
-            _ => {}
         }
         self.draw_at(Instant::now());
     }

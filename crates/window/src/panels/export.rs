@@ -6,7 +6,7 @@ use egui::{Button, ComboBox, Grid, Label, ProgressBar, RichText, TextEdit, Ui};
 
 use super::field::number;
 use super::sentence::sentence;
-use crate::export::ExportStage;
+use crate::export::{ExportKind, ExportStage};
 use flipmap_scene::{PictureTable, Sampling};
 
 /// The next export, as entered in the form.
@@ -23,23 +23,13 @@ pub struct ExportForm {
     /// True if more than one sample is taken only where colours change.
     pub adaptive: bool,
     /// The content of the file.
-    pub what: ExportSubject,
+    pub what: ExportKind,
 }
 
-/// The content of a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ExportSubject {
-    /// A picture.
-    #[default]
-    Png,
-    /// Flip times as raw numbers.
-    Raw,
-}
-
-impl ExportSubject {
+impl ExportKind {
     /// All contents, each with its name and the extension of its files.
-    pub(crate) const ALL: [(&'static str, &'static str, ExportSubject); 2] =
-        [("picture", "png", ExportSubject::Png), ("raw numbers", "npy", ExportSubject::Raw)];
+    pub(crate) const ALL: [(&'static str, &'static str, ExportKind); 2] =
+        [("picture", "png", ExportKind::Png), ("raw numbers", "npy", ExportKind::Raw)];
 
     /// Returns the extension of the files.
     pub(crate) fn ending(self) -> &'static str {
@@ -91,7 +81,7 @@ impl Default for ExportForm {
             as_window: true,
             samples: PictureTable::default().samples,
             adaptive: false,
-            what: ExportSubject::Png,
+            what: ExportKind::Png,
         }
     }
 }
@@ -125,7 +115,7 @@ impl ExportForm {
     }
 
     /// Returns the form for another content; an extension that fits the old content changes too.
-    fn of(&self, what: ExportSubject) -> Self {
+    fn of(&self, what: ExportKind) -> Self {
         let old = format!(".{}", self.what.ending());
         let path = match self.path.strip_suffix(&old) {
             Some(stem) => format!("{stem}.{}", what.ending()),
@@ -142,7 +132,7 @@ pub fn export_panel(ui: &mut Ui, form: &ExportForm, exports: &[ExportStatus]) ->
         kind(ui, &mut new);
         file(ui, &mut new, &mut actions);
         size(ui, &mut new);
-        if new.what == ExportSubject::Png {
+        if new.what == ExportKind::Png {
             samples(ui, &mut new);
         }
     });
@@ -194,7 +184,7 @@ pub(super) fn statuses(
 fn kind(ui: &mut Ui, form: &mut ExportForm) {
     ui.label("Kind");
     ui.horizontal(|ui| {
-        for (name, _, what) in ExportSubject::ALL {
+        for (name, _, what) in ExportKind::ALL {
             if ui.radio(form.what == what, name).clicked() {
                 *form = form.of(what);
             }
@@ -302,11 +292,11 @@ mod tests {
     #[test]
     fn another_kind_takes_its_ending_along() {
         let form = ExportForm::default();
-        assert_eq!(form.of(ExportSubject::Raw).path, "map.npy");
-        assert_eq!(form.of(ExportSubject::Raw).of(ExportSubject::Png), form);
+        assert_eq!(form.of(ExportKind::Raw).path, "map.npy");
+        assert_eq!(form.of(ExportKind::Raw).of(ExportKind::Png), form);
         let own = ExportForm { path: "map".to_string(), ..form };
-        assert_eq!(own.of(ExportSubject::Raw).path, "map");
-        for (place, (_, _, what)) in ExportSubject::ALL.into_iter().enumerate() {
+        assert_eq!(own.of(ExportKind::Raw).path, "map");
+        for (place, (_, _, what)) in ExportKind::ALL.into_iter().enumerate() {
             assert_eq!(what as usize, place);
         }
     }

@@ -1,0 +1,170 @@
+//! What each action does: the model passes it to the components that it concerns.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::action::Action;
+use super::dialog::{DialogAnswer, FileDialog};
+use super::model::{AppModel, Asking};
+use super::pin_start::PinStart;
+use super::settings::Settings;
+use super::state::Effect;
+use flipmap_engine::choice::EngineRequest;
+use flipmap_numbers::Exact;
+use flipmap_render::output::{read_document, read_gradient};
+use flipmap_scene::PictureTable;
+
+const NO_DIALOG: &str = "The desktop has no file dialog (no portal answers): type a path under \
+                         Export, or drop a file on the window.";
+
+impl AppModel {
+    /// Carries out actions in order and returns the effects that only the window can have.
+    pub fn act(&mut self, actions: Vec<Action>) -> Vec<Effect> {
+        actions.into_iter().filter_map(|action| self.carry_out(action)).collect()
+    }
+
+    fn carry_out(&mut self, action: Action) -> Option<Effect> {
+        self.films.give_way_to(&action);
+        let state = &mut self.state;
+        match action {
+            Action::Look(look) => state.look(look),
+            Action::Hover(point) => state.pointer = point,
+            Action::Drawing(drawing) => state.drawing = drawing,
+            Action::GoDeeper => self.films.toggle_descent(state, &self.request, &self.wake),
+            Action::Lab(figure) => self.show_figure(figure),
+            Action::InLab(action) => self.in_lab(action),
+            Action::OpenInLab(figure, start) => self.open_in_lab(figure, start),
+            Action::FromLab(start) => self.aimed_in_lab(start),
+            Action::Pin(point) => self.pin(self.state.pixel_at(point)),
+            Action::Unpin => state.pins.remove_clicked(),
+            Action::Pins(action) => state.pins.apply(action),
+            Action::PlayPause => self.play_or_pause(),
+            Action::Scene(scene) => {
+                state.ask(&scene);
+                self.follow(false);
+            }
+            Action::Picture(picture) => state.paint(picture),
+            Action::ColourCycle(cycle) => state.shown.cycle = cycle,
+            Action::Favourite(digit) => state.show_favourite(digit, &self.settings),
+            Action::KeepFavourite(digit) => state.keep_favourite(digit, &mut self.settings),
+            Action::Timeline(clock) => state.set_timeline(clock),
+            Action::Accuracy(accuracy) => {
+                state.set_accuracy(accuracy);
+                self.follow(true);
+            }
+            Action::Engine(kind) => {
+                state.integration.kind = kind;
+                self.follow(true);
+            }
+            Action::TryAgain => self.follow(true),
+            Action::Layers(layers) => state.layers = layers,
+            Action::Panel(name) => state.open_panel(name),
+            Action::Toggle(dialog) => state.toggle(dialog),
+            Action::Escape => self.escape(),
+            Action::Show(document) => {
+                let reopens = state.show(&document);
+                self.follow(reopens);
+            }
+            Action::Open(path) => self.open(&path),
+            Action::AskForFile => self.asking = Some(Asking::Open(FileDialog::open(self.waker()))),
+            Action::Paste(text) => {
+                let reopens = state.paste(&text);
+                self.follow(reopens);
+            }
+            Action::CopyLocation => return Some(Effect::Copy(state.copied_location())),
+            Action::Find(angle) => state.find(angle),
+            Action::Dismiss(id) => state.notices.dismiss(id),
+            Action::UiScale(scale) => state.look.ui_scale = Settings::within_ui_scales(scale),
+            Action::Theme(theme) => state.look.theme = theme,
+            Action::Animate(animate) => state.look.animate = animate,
+            Action::Edges(edges) => state.look.edges = edges,
+            Action::FullScreen => return Some(Effect::FullScreen),
+            Action::LoseDevice => return Some(Effect::LoseDevice),
+            Action::Quit => return Some(Effect::Quit),
+        }
+        None
+    }
+
+    /// Follows a change of what is computed: opens another engine if `reopens` is true or the
+    /// question needs one, and relaunches the pins' flights if the physics has changed.
+    pub(super) fn follow(&mut self, reopens: bool) {
+        let wanted = self.engine_request();
+        let outgrown = self.compute.config().is_some_and(|config| wanted.outgrows(&config));
+        if reopens || wanted.kind != self.request.kind || outgrown {
+            self.request = wanted;
+            self.compute.reopen(self.request.clone());
+        }
+        self.state.pins.relaunch(&self.state.scene(), self.waker());
+    }
+
+    /// Returns the request for the engine that answers what the state asks.
+    pub(super) fn engine_request(&self) -> EngineRequest {
+        self.state.engine_request(&self.request, self.compute.config())
+    }
+
+    /// Returns a function that wakes the window from any thread.
+    pub(super) fn waker(&self) -> impl Fn() + Clone + Send + Sync + use<> {
+        let wake = Arc::clone(&self.wake);
+        move || wake()
+    }
+
+    /// Pins the pixel at the first of these places of the lattice; the second is its neighbour's.
+    pub(super) fn pin(&mut self, places: [[Exact; 2]; 2]) {
+        let scene = self.state.scene();
+        let Some(start) = PinStart::on_plane(&scene, self.state.camera.reach, places) else {
+            self.state.notices.tell("No pendulum has the section's energy here.");
+            return;
+        };
+        let told = self.state.told_at(&mut self.compute.explorer, places[0]);
+        let wake = self.waker();
+        match self.state.pins.add(start, told, wake) {
+            Ok(id) => {
+                self.state.pins.clicked = Some(id);
+                self.state.shown.side = true;
+            }
+            Err(error) => self.state.notices.fail(format!("{error}.")),
+        }
+    }
+
+    /// Shows a file: a picture written by this program, a scene, or a gradient as the palette.
+    fn open(&mut self, path: &Path) {
+        if let Some(gradient) = read_gradient(path) {
+            match gradient {
+                Ok(palette) => {
+                    self.state.picture = PictureTable { palette, ..self.state.picture.clone() };
+                }
+                Err(error) => self.state.notices.fail(format!("{error}.")),
+            }
+            return;
+        }
+        match read_document(path) {
+            Ok(document) => {
+                self.settings.remember(path);
+                self.carry_out(Action::Show(Box::new(document)));
+            }
+            Err(error) => self.state.notices.fail(format!("{error}.")),
+        }
+    }
+
+    /// Takes the answer of the open file dialog, if there is one.
+    pub(super) fn take_answer(&mut self) {
+        let answer = match &self.asking {
+            Some(Asking::Open(dialog) | Asking::Export(dialog) | Asking::Film(dialog)) => {
+                dialog.poll()
+            }
+            None => None,
+        };
+        let Some(answer) = answer else { return };
+        match (self.asking.take(), answer) {
+            (Some(Asking::Open(_)), DialogAnswer::File(path)) => self.open(&path),
+            (Some(Asking::Export(_)), DialogAnswer::File(path)) => {
+                self.forms.export.path = path.display().to_string();
+            }
+            (Some(Asking::Film(_)), DialogAnswer::File(path)) => {
+                self.films.draft.path = path.display().to_string();
+            }
+            (_, DialogAnswer::Missing) => self.state.notices.fail(NO_DIALOG),
+            _ => {}
+        }
+    }
+}
