@@ -56,7 +56,7 @@ pub use png::{Picture, PngError, PngWriter, document_in_png, picture_in_png};
 pub use pyramid::Pyramid;
 pub(crate) use pyramid::PyramidFolder;
 pub use read::{named_document, read_document};
-pub use recipe::{PictureRecipe, RenderedPicture, Watch};
+pub use recipe::{PictureRecipe, RenderedPicture};
 pub use render::{RenderClock, pass_work, render_pass};
 pub use rows::RowOrder;
 pub use safe::{Destination, SafeFile};

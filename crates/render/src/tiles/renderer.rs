@@ -84,6 +84,11 @@ impl Renderer {
         }
     }
 
+    /// Returns true if every pixel is checked.
+    pub(crate) fn is_checked(&self) -> bool {
+        matches!(self.engine, MaybeChecked::Checked(_))
+    }
+
     /// Returns the engine alone, for a loop outside the renderer.
     pub fn into_engine(self) -> Box<dyn Engine> {
         match self.engine {
