@@ -83,7 +83,7 @@ impl FilmRecipe<'_> {
                 let samples = moments.at(renderer.engine(), at_secs, &goes_on)?;
                 return Ok(painter.paint(samples.ok_or(FilmError::Stopped)?));
             }
-            let samples = renderer.render_while(&shot.scene, size, &|_| goes_on())?;
+            let samples = renderer.render_while(&shot.scene, size, &|_, _| goes_on())?;
             Ok(painter.paint(&samples.ok_or(FilmError::Stopped)?))
         })
     }

@@ -34,6 +34,7 @@ mod spool;
 mod state;
 mod trace;
 mod trace_channels;
+mod trace_table;
 mod trust;
 mod whole_png;
 
@@ -65,5 +66,6 @@ pub(crate) use sinks::SinkPass;
 pub use sinks::{Paths, Sinks};
 pub(crate) use spool::Spool;
 pub use state::{RenderState, RunRecord};
-pub use trace::{Advance, NotFinite, Trace, launch_from_text};
+pub use trace::Trace;
+pub use trace_table::TraceError;
 pub(crate) use trust::trust_colours;
