@@ -8,7 +8,8 @@ use flipmap_engine::Engine;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::BALANCED;
-use flipmap_render::farm::{Parts, Plan, PlannedOutput, Task, TaskKind, merge, run};
+use flipmap_render::farm::{Parts, Plan, PlannedOutput, Task, run};
+use flipmap_render::film::FilmRecipe;
 use flipmap_render::tiles::Work;
 use flipmap_render::tiles::preview::preview;
 use flipmap_scene::film::Film;
@@ -63,15 +64,13 @@ fn whole(film: &Film) -> (u64, f64, f64) {
     let task = Task::new(plan, &folder.path().join("plan.toml")).expect("a plan");
     let begun = Instant::now();
     let pieces = task.missing(1, &Parts::default());
-    run(&task, &pieces, &mut engine, &mut |_| true).expect("the engine works");
+    run(&task, &pieces, &mut engine, &|_, _| true).expect("the engine works");
     let computing = begun.elapsed().as_secs_f64();
     let begun = Instant::now();
     let mut parts = Parts::scan(&task.folder, task.forms()).expect("parts");
-    let TaskKind::Film(film, _) = &task.work else { return (0, 0.0, 0.0) };
-    let document = &film.keys[0].scene;
-    let sink = merge::FilmSink::open(&folder.path().join("frames"), film, document);
-    let sink = sink.expect("a folder");
-    merge::film(&task, &document.picture, &mut parts, sink, &mut |_| true).expect("frames");
+    let (document, output) = (&film.keys[0].scene, &folder.path().join("frames"));
+    let recipe = FilmRecipe { film, document, output };
+    recipe.merge(&task, &mut parts, &|_, _| true).expect("frames");
     (task.samples(), computing, begun.elapsed().as_secs_f64())
 }
 

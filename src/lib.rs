@@ -60,9 +60,8 @@ pub use flipmap_engine::run_settings::RunSpec;
 pub use flipmap_engine::{Accuracy, EngineError, EngineKind, Trust};
 pub use flipmap_numbers::{Dd, Scalar};
 pub use flipmap_pendulum::{Outcome, Pendulum, Rule, Status, oracle};
-pub use flipmap_render::output::{
-    Advance, NpyWriter, PictureRecipe, Trace, launch_from_text, named_document,
-};
+pub use flipmap_render::Watch;
+pub use flipmap_render::output::{NpyWriter, PictureRecipe, Trace, TraceError, named_document};
 pub use flipmap_render::tiles::{Renderer, Samples};
 pub use flipmap_scene::question::Channel;
 pub use flipmap_scene::{BuiltIn, Document, PictureTable, RunTable, Scene, Setting};

@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use flipmap::Watch;
 use pyo3::prelude::*;
 
 /// Time between two turns.
@@ -27,17 +28,6 @@ impl Clock {
         Clock { progress, total, state }
     }
 
-    /// Returns false once Python raised an exception. Call without the interpreter's lock.
-    pub(crate) fn keep_going(&self, done: u64) -> bool {
-        // If another thread holds the lock, that thread gives Python its turn.
-        let Ok(mut state) = self.state.try_lock() else { return true };
-        if state.raised.is_none() && state.last.elapsed() >= PERIOD {
-            state.raised = Python::attach(|py| self.turn(py, done)).err();
-            state.last = Instant::now();
-        }
-        state.raised.is_none()
-    }
-
     /// Reports the end of the work, or returns the exception that Python raised during it.
     pub(crate) fn finish(self, py: Python<'_>) -> PyResult<()> {
         let state = self.state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -54,5 +44,18 @@ impl Clock {
             Some(progress) => progress.call1(py, (done, self.total)).map(drop),
             None => Ok(()),
         }
+    }
+}
+
+/// Gives Python its turn and stops once it raised an exception. Call without the interpreter's lock.
+impl Watch for Clock {
+    fn keep_going(&self, done: u64, _total: u64) -> bool {
+        // If another thread holds the lock, that thread gives Python its turn.
+        let Ok(mut state) = self.state.try_lock() else { return true };
+        if state.raised.is_none() && state.last.elapsed() >= PERIOD {
+            state.raised = Python::attach(|py| self.turn(py, done)).err();
+            state.last = Instant::now();
+        }
+        state.raised.is_none()
     }
 }

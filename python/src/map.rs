@@ -94,8 +94,7 @@ pub(crate) fn render<'py>(
             config.method.name(),
             config.precision
         );
-        let rendered = renderer
-            .render_while(&document.scene(), size, &|counts| clock.keep_going(counts.pixels));
+        let rendered = renderer.render_while(&document.scene(), size, &clock);
         let samples = rendered.map_err(failed)?;
         Ok::<_, PyErr>((samples, about))
     });

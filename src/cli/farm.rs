@@ -2,22 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use flipmap_engine::Cells;
 use flipmap_engine::choice::{Chosen, EngineRequest};
-use flipmap_render::farm::merge::{self, FilmSink, MergeError};
-use flipmap_render::farm::{Parts, Plan, RunError, Task, TaskKind, WorkPiece, run};
+use flipmap_render::farm::{self, OpenChoices, Parts, Plan, RunError, Task, TaskKind};
 use flipmap_render::film::ffmpeg::Codec;
+use flipmap_render::film::{self, FilmError, FilmRecipe};
 use flipmap_render::output::{read_text, shell_word};
-use flipmap_render::tiles::{Counts, Renderer};
+use flipmap_render::tiles::Renderer;
 use flipmap_scene::film::{Film, FilmKind};
-use flipmap_scene::palette::Palette;
 use flipmap_scene::{Document, Sampling};
 
 use super::exit::Exit;
 use super::picture_options::PictureOptions;
-use super::progress::{Mode, Progress};
+use super::progress::Mode;
 use super::run_options::prefer_engine;
 use super::stop;
+use super::watch::CommandLine;
 
 /// Reads a plan and derives its task.
 pub(super) fn open(path: &Path) -> Result<Task, Exit> {
@@ -70,21 +69,10 @@ pub(super) fn compute(
         task.config.method.setting(),
         task.config.precision,
     ));
-    let mut progress = Progress::of(mode, total, "samples");
-    let mut counts = Counts::default();
-    let scene_of = |piece: &WorkPiece| task.still(piece).map(|(scene, _)| scene);
-    for pieces in pieces.chunk_by(|a, b| scene_of(a) == scene_of(b)) {
-        hear_second_opinion(task, &pieces[0], &mut renderer)?;
-        let before = counts;
-        let computed = run(task, pieces, renderer.engine(), &mut |now| {
-            counts = before;
-            counts += *now;
-            progress.set(counts.pixels, following.words());
-            !stop::asked()
-        });
-        computed.map_err(stopped)?;
-    }
-    drop(progress);
+    let watch = CommandLine::new(mode, "samples", Some(following));
+    let computed = farm::compute(task, &pieces, &mut renderer, &watch);
+    drop(watch);
+    let counts = computed.map_err(stopped)?;
     super::tell(&format!(
         "flipmap: {} samples, {} of them simulated, in {}",
         counts.pixels,
@@ -92,22 +80,6 @@ pub(super) fn compute(
         task.folder.display()
     ));
     Ok(None)
-}
-
-/// Integrates some pixels of the piece's still directly. Every shard takes the same pixels, so all
-/// shards mark the same views.
-fn hear_second_opinion(
-    task: &Task,
-    piece: &WorkPiece,
-    renderer: &mut Renderer,
-) -> anyhow::Result<()> {
-    let Some((scene, pass)) = task.still(piece) else { return Ok(()) };
-    let opinion =
-        renderer.second_opinion(&scene, pass.pixels(), Cells::Auto, &|| !stop::asked())?;
-    if let Some(warning) = opinion.and_then(|opinion| opinion.warning()) {
-        super::tell(&format!("flipmap: {warning}"));
-    }
-    Ok(())
 }
 
 fn stopped(error: RunError) -> anyhow::Error {
@@ -151,59 +123,34 @@ pub(super) fn paint(
     options.apply(&mut document)?;
     check_samples(samples, &document)?;
     if film.kind() == FilmKind::Flips {
-        settle_times(task, film, &mut parts, options, &mut document)?;
+        spread(task, film, &mut parts, options, &mut document)?;
+        film::settle_colours(film, &mut document.picture)?;
     } else {
         document = document.checked()?;
     }
-    let sink = FilmSink::open(output, film, &document)?;
-    let mut progress = Progress::of(mode, u64::from(film.frames), "frames");
-    let mut keep_going = |frames| {
-        progress.set(frames, None);
-        !stop::asked()
-    };
-    let picture = &document.picture;
-    let painted = match &task.work {
-        TaskKind::Frames(_, frames) => {
-            merge::frames(film, frames, picture, &mut parts, sink, &mut keep_going)
-        }
-        _ => merge::film(task, picture, &mut parts, sink, &mut keep_going),
-    };
-    drop(progress);
+    let recipe = FilmRecipe { film, document: &document, output };
+    let watch = CommandLine::new(mode, "frames", None);
+    let painted = recipe.merge(task, &mut parts, &watch);
+    drop(watch);
     painted.map_err(|error| match error {
         // Written frames are not made again; a film in one file is made anew.
-        MergeError::Stopped if Codec::of(output).is_none() => anyhow::Error::from(Exit::Again),
-        MergeError::Stopped => Exit::Unwritten.into(),
+        FilmError::Stopped if Codec::of(output).is_none() => anyhow::Error::from(Exit::Again),
+        FilmError::Stopped => Exit::Unwritten.into(),
         // Ctrl-C in a terminal reaches ffmpeg too.
-        MergeError::Ffmpeg(_) if stop::asked() => Exit::Unwritten.into(),
+        FilmError::Ffmpeg(_) if stop::asked() => Exit::Unwritten.into(),
         error => error.into(),
     })?;
-    let [width, height] = film.size;
-    super::tell(&format!(
-        "flipmap: {} frames of {width}x{height} at {} per second in {}",
-        film.frames,
-        film.fps,
-        output.display()
-    ));
+    tell_made(&recipe);
     Ok(())
 }
 
-/// Settles the one colour scale of a film of flips, which each frame records.
-fn settle_times(
-    task: &Task,
-    film: &Film,
-    parts: &mut Parts,
-    options: &PictureOptions,
-    document: &mut Document,
-) -> anyhow::Result<()> {
-    let (decades, min_rad) = depth(film);
-    if options.spreads_film(document, decades, min_rad) {
-        spread(task, decades, parts, options, document)?;
-    }
-    document.picture.check()?;
-    if document.picture.times.is_empty() {
-        document.picture.times = merge::tones(film, &document.picture)?.range_secs().to_vec();
-    }
-    Ok(())
+/// Says that a film is complete.
+pub(super) fn tell_made(recipe: &FilmRecipe) {
+    let Film { size: [width, height], frames, fps, .. } = recipe.film;
+    let output = recipe.output.display();
+    super::tell(&format!(
+        "flipmap: {frames} frames of {width}x{height} at {fps} per second in {output}"
+    ));
 }
 
 /// Rejects more or fewer samples per pixel than were planned.
@@ -214,50 +161,43 @@ pub(super) fn check_samples(planned: Sampling, document: &Document) -> Result<()
     Err(Exit::Usage(format!("--samples is {planned} in the plan and can no longer change")))
 }
 
-/// Number of decades that a film zooms through, and the width of its narrowest key in rad.
-fn depth(film: &Film) -> (f64, f64) {
-    let widths = film.keys.iter().map(|key| key.scene.view.width_rad().hi);
-    let (least, most) = widths.fold((f64::MAX, 0f64), |(a, b), w| (a.min(w), b.max(w)));
-    ((most / least).log10(), least)
-}
-
-/// Decades of zoom for each run through the palette.
-const DECADES_A_CYCLE: f64 = 2.0;
-
-/// Spreads the colours of a deep film over its own times. Deeper views flip later, so the film
-/// runs through the palette repeatedly; unless the user chose a palette, it is a cyclic one.
+/// Spreads the colours of a deep film over its own times, and prints their range.
 fn spread(
     task: &Task,
-    decades: f64,
+    film: &Film,
     parts: &mut Parts,
     options: &PictureOptions,
     document: &mut Document,
 ) -> anyhow::Result<()> {
-    let times = merge::spread(task, parts)?;
-    let [first, .., last] = times[..] else { return Ok(()) };
-    let picture = &mut document.picture;
-    picture.times = times;
-    if !options.says_cycles() && picture.cycles == 1.0 {
-        picture.cycles = (decades / DECADES_A_CYCLE).clamp(1.0, 100.0).round();
-        if options.says_no_palette() && Palette::is_unchosen(&picture.palette) {
-            picture.palette = Palette::CYCLIC.to_string();
-        }
-        if !options.says_repeat() {
-            picture.mirror = picture.cycles > 1.0 && !Palette::is_cyclic(&picture.palette);
-        }
+    let (decades, min_rad) = farm::zoom(film);
+    if !options.spreads_film(document, decades, min_rad) {
+        return Ok(());
     }
-    super::tell(&format!(
-        "flipmap: colours are spread over the film's own times, {first:.2} to {last:.2} s, in {} \
-         cycles of {}; --times budget spreads them over the whole budget",
-        picture.cycles, picture.palette
-    ));
+    let open = OpenChoices {
+        cycles: !options.says_cycles(),
+        palette: options.says_no_palette(),
+        repeat: !options.says_repeat(),
+    };
+    let picture = &mut document.picture;
+    if farm::spread_film((task, parts), decades, open, picture)?
+        && let [first, .., last] = picture.times[..]
+    {
+        super::tell(&format!(
+            "flipmap: colours are spread over the film's own times, {first:.2} to {last:.2} s, in \
+             {} cycles of {}; --times budget spreads them over the whole budget",
+            picture.cycles, picture.palette
+        ));
+    }
     Ok(())
 }
 
-/// Rejects a film that could not be written.
-pub(super) fn check_output(output: &Path) -> Result<(), Exit> {
-    FilmSink::check(output)
-        .map_err(|error| Exit::Failed(format!("-o: cannot write {}: {error}", output.display())))
+/// Rejects a film that could not be painted or written.
+pub(super) fn check(recipe: &FilmRecipe) -> anyhow::Result<()> {
+    recipe.check().map_err(|error| match error {
+        FilmError::Ffmpeg(why) => Exit::Usage(why.to_string()).into(),
+        FilmError::Picture(why) => why.into(),
+        error => error.into(),
+    })
 }
 
 /// Default folder for the samples of a film.

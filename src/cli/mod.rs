@@ -34,6 +34,7 @@ mod stop;
 mod trace;
 mod version;
 mod video;
+mod watch;
 
 use std::path::Path;
 

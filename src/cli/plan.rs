@@ -6,10 +6,9 @@ use anyhow::Context;
 use clap::Args;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_render::farm::merge::{self, MergeError};
-use flipmap_render::farm::{Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
+use flipmap_render::farm::{MergeError, Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
+use flipmap_render::film::{FilmRecipe, legend};
 use flipmap_render::output::{Paths, read_text, shell_word};
-use flipmap_scene::film::FilmKind;
 use flipmap_scene::{Document, Sampling};
 
 use super::exit::Exit;
@@ -18,10 +17,11 @@ use super::frames::check_film;
 use super::option_names::by_option;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
-use super::progress::{Mode, Progress};
+use super::progress::Mode;
 use super::run_options::{EngineOptions, check_steps, start};
 use super::spread::spread;
 use super::video::codec_of;
+use super::watch::CommandLine;
 use super::{farm, stop};
 
 #[derive(Args, Debug)]
@@ -90,17 +90,14 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     let request =
         options.film.run.engine.request(spec.setting, spec.verify).answering(&scene.question);
     let mut chosen = start(&request)?;
-    check_steps(&scene, chosen.config)?;
-    if let PlannedOutput::Film(film) = &what
-        && film.kind() != FilmKind::Flips
-    {
-        let samples = film.keys[0].scene.picture.samples.along();
-        check_film(film, film.size.map(|side| side * samples), chosen.config)?;
-    }
-    if let PlannedOutput::Still(document) = &mut what
-        && options.film.picture.spreads(document)
-    {
-        spread(document, spec.size(), chosen.config, chosen.engine.as_mut())?;
+    match &mut what {
+        PlannedOutput::Film(film) => check_film(film, chosen.config)?,
+        PlannedOutput::Still(document) => {
+            check_steps(&scene, chosen.config)?;
+            if options.film.picture.spreads(document) {
+                spread(document, spec.size(), chosen.config, chosen.engine.as_mut())?;
+            }
+        }
     }
     let engine = (chosen.engine.as_ref(), chosen.config, spec.verify);
     let plan = Plan::new(what, options.shards, engine, options.numbers);
@@ -134,7 +131,7 @@ pub(super) fn check_overwrites_only_plans(option: &str, path: &Path) -> Result<(
 fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     if options.film.says_film() {
         let (film, spec) = options.film.film()?;
-        merge::legend(&film, &film.keys[0].scene.picture)?;
+        legend(&film, &film.keys[0].scene.picture)?;
         return Ok((PlannedOutput::Film(film), spec));
     }
     let words = &options.film.words;
@@ -205,11 +202,9 @@ pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<()> {
                 let only = "a film takes one output: -o FILM.mp4, -o FILM.mkv or -o FOLDER";
                 return Err(Exit::Usage(only.to_string()).into());
             };
-            if let Some(codec) = codec_of(output)? {
-                codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
-            }
+            codec_of(output)?;
             spares_parts(&task.folder, &paths)?;
-            farm::check_output(output)?;
+            farm::check(&FilmRecipe { film, document: &film.keys[0].scene, output })?;
             let parts = farm::complete(&task, &options.plan)?;
             farm::paint(&task, parts, &options.picture, output, options.progress)
         }
@@ -264,17 +259,10 @@ fn merge_still(
     }
     paths.check(&document.picture)?;
     let mut parts = farm::complete(task, &options.plan)?;
-    let total: u64 =
-        passes.iter().map(|pass| u64::from(pass.size[0]) * u64::from(pass.size[1])).sum();
-    let mut progress = Progress::of(options.progress, total, "samples");
-    let mut keep_going = |done| {
-        progress.set(done, None);
-        !stop::asked()
-    };
-    merge::still(&document, passes, &mut parts, &paths, &mut keep_going).map_err(
-        |error| match error {
-            MergeError::Stopped => anyhow::Error::from(Exit::Unwritten),
-            error => error.into(),
-        },
-    )
+    let watch = CommandLine::new(options.progress, "samples", None);
+    let merged = flipmap_render::farm::merge_still(&document, passes, &mut parts, &paths, &watch);
+    merged.map_err(|error| match error {
+        MergeError::Stopped => anyhow::Error::from(Exit::Unwritten),
+        error => error.into(),
+    })
 }

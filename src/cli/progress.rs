@@ -30,13 +30,8 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// Starts at zero of `total` pixels.
-    pub(super) fn new(mode: Mode, total: u64) -> Self {
-        Progress::of(mode, total, "pixels")
-    }
-
     /// Starts at zero of `total` units of the given name.
-    pub(super) fn of(mode: Mode, total: u64, unit: &'static str) -> Self {
+    pub(super) fn new(mode: Mode, total: u64, unit: &'static str) -> Self {
         let shown = mode == Mode::Auto && stderr().is_terminal();
         let target =
             if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };

@@ -2,16 +2,14 @@
 //! trust, or as several of these.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use flipmap_engine::choice::IntegrationSetting;
-use flipmap_engine::depth::Following;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::trust::{AccuracyEstimate, Opinion};
 use flipmap_engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
-use flipmap_render::output::{PictureRecipe, RenderError, RenderedPicture, Watch};
+use flipmap_render::output::{PictureRecipe, RenderError, RenderedPicture};
 use flipmap_render::tiles::{self, Counts, Renderer, SavedPixels};
 use flipmap_scene::{Document, Grid, Sampling, Scene};
 
@@ -21,10 +19,11 @@ use super::exit::Exit;
 use super::options::SceneOptions;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
-use super::progress::{Mode, Progress};
+use super::progress::Mode;
 use super::run_options::{RunOptions, start};
 use super::spread::spread;
 use super::stop;
+use super::watch::CommandLine;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
@@ -67,7 +66,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut chosen = start(&request)?;
     let (config, why, following) = (chosen.config, chosen.why.clone(), chosen.following.clone());
     stop::listen()?;
-    check_numbers(&scene, spec.size(), config, options.cells)?;
+    tiles::check_feasible(&scene, spec.size(), &config, options.cells)
+        .map_err(|error| Exit::Usage(error.to_string()))?;
+    warn_of_missing_digits(&scene, spec.size());
     if let Some(continued) = &mut continued {
         continued.check_ran(chosen.engine.as_ref(), config)?;
     }
@@ -83,7 +84,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut renderer = Renderer::try_from(chosen)?;
     announce(renderer.engine(), config, spec.verify, &why);
     let preparing = begun.elapsed();
-    let watch = CommandLine { mode: options.progress, progress: Mutex::default(), following };
+    let watch = CommandLine::new(options.progress, "pixels", Some(following));
     let saved = continued.as_mut().map(Continued::take);
     let rendered = recipe.render(&mut renderer, saved, &watch).or_else(interrupted)?;
     drop(watch);
@@ -99,23 +100,6 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     tell(&ran, &scene);
     Ok(())
-}
-
-/// The watch of a run on the command line: shows progress as the user asked, and stops on signals.
-struct CommandLine {
-    mode: Mode,
-    progress: Mutex<Option<Progress>>,
-    following: Following,
-}
-
-impl Watch for CommandLine {
-    fn keep_going(&self, done: u64, total: u64) -> bool {
-        // The lock guards only a display, which is still usable if a thread panicked.
-        let mut progress = self.progress.lock().unwrap_or_else(PoisonError::into_inner);
-        let progress = progress.get_or_insert_with(|| Progress::new(self.mode, total));
-        progress.set(done, self.following.words());
-        !stop::asked()
-    }
 }
 
 /// Resolves the options, and rejects impossible ones before anything is computed.
@@ -192,15 +176,8 @@ fn announce(engine: &dyn Engine, config: IntegratorConfig, verify: bool, why: &s
     ));
 }
 
-/// Rejects too many steps, and warns if pixels lie closer together than the centre's last digit.
-pub(super) fn check_numbers(
-    scene: &Scene,
-    size: [u32; 2],
-    config: IntegratorConfig,
-    cells: Cells,
-) -> Result<(), Exit> {
-    tiles::check_feasible(scene, size, &config, cells)
-        .map_err(|error| Exit::Usage(error.to_string()))?;
+/// Warns if pixels lie closer together than the centre's last digit.
+pub(super) fn warn_of_missing_digits(scene: &Scene, size: [u32; 2]) {
     let pixel = Grid::new(scene, size).pixel_rad();
     let needed = (-pixel.log10()).ceil() as usize;
     let given = scene.view.center.iter().map(|text| decimals(text)).min().unwrap_or(0);
@@ -212,7 +189,6 @@ pub(super) fn check_numbers(
             needed - given
         ));
     }
-    Ok(())
 }
 
 /// Pixel spacing in rad above which the centre may well be a round number.

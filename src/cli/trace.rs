@@ -1,13 +1,11 @@
 //! `flipmap trace`: follows one pendulum, at rest or thrown, with the gold standard in double-double.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::passes::Pass;
-use flipmap_render::output::{Advance, Destination, SafeFile, Trace, is_stdout, launch_from_text};
+use flipmap_render::output::{Destination, SafeFile, Trace, TraceError, is_stdout};
 
 use super::exit::Exit;
 use super::options::SceneOptions;
@@ -40,24 +38,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let scene = options.scene.document()?.scene();
     let output = options.output.as_deref().map(|path| ("-o", path));
     keep_apart(options.scene.file().as_slice(), output.as_slice())?;
-    let start = launch_from_text(&options.start).ok_or_else(|| {
-        Exit::Usage(format!(
-            "--start is '{}'; it must be two angles between -1e6 and 1e6 rad, separated by a comma, \
-             or these and two speeds between -1e6 and 1e6 rad/s",
-            options.start
-        ))
-    })?;
-    let until = seconds("--until", &options.until, 1e-9..=1e6)?;
-    let every = seconds("--every", &options.every, 1e-9..=1e6)?;
-    if (until / every).hi > MAX_ROWS {
-        let message = format!(
-            "--every {} gives {:.0e} rows in {} s; at most {MAX_ROWS:e} are allowed",
-            options.every,
-            (until / every).hi,
-            options.until
-        );
-        return Err(Exit::Usage(message).into());
-    }
+    let Options { start, until, every, .. } = options;
+    let mut trace = Trace::from_text(&scene, start, until, every)?;
     let to_stdout = options.output.as_ref().is_none_or(|path| is_stdout(path));
     if options.json && to_stdout {
         return Err(
@@ -71,43 +53,16 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         None => SafeFile::stdout()?,
     };
     stop::listen()?;
-    let mut trace = Trace::new(&scene, start, [until, every]);
-    write_table(&mut trace, &mut out).map_err(|error| match error.is::<std::io::Error>() {
-        true => error.context(format!("cannot write {destination}")),
-        false => error,
+    trace.write_table(&mut out, &|_, _| !stop::asked()).map_err(|error| match error {
+        TraceError::Stopped => Exit::Interrupted.into(),
+        TraceError::Write(error) => {
+            anyhow::Error::from(error).context(format!("cannot write {destination}"))
+        }
+        TraceError::NotFinite => error.into(),
     })?;
     out.finish().with_context(|| format!("cannot write {destination}"))?;
     tell(options, trace.passes())
 }
-
-/// Maximum number of rows in a table.
-const MAX_ROWS: f64 = 1e8;
-
-/// Writes the header and all rows.
-fn write_table(trace: &mut Trace, out: &mut SafeFile) -> anyhow::Result<()> {
-    writeln!(out, "{}", trace.columns().join(","))?;
-    loop {
-        stop::check()?;
-        match trace.advance()? {
-            Advance::Row(row) => write_row(out, &row)?,
-            Advance::Step => {}
-            Advance::End => return Ok(()),
-        }
-    }
-}
-
-/// Writes a row: the energy error, which is very small, with an exponent, and NaN as an empty cell.
-fn write_row(out: &mut SafeFile, row: &[f64]) -> std::io::Result<()> {
-    let words = row.iter().enumerate().map(|(column, number)| match (column, number.is_nan()) {
-        (_, true) => String::new(),
-        (ENERGY_ERROR, false) => format!("{number:e}"),
-        (_, false) => number.to_string(),
-    });
-    writeln!(out, "{}", words.collect::<Vec<_>>().join(","))
-}
-
-/// Index of the column with the energy error.
-const ENERGY_ERROR: usize = 5;
 
 /// Prints the crossings; the first of each bob is its flip.
 fn tell(options: &Options, passages: &[Pass]) -> anyhow::Result<()> {
@@ -132,14 +87,4 @@ fn tell(options: &Options, passages: &[Pass]) -> anyhow::Result<()> {
         super::tell(&format!("flipmap: bob {bob} passes the top at {:.12} s", time.hi));
     }
     Ok(())
-}
-
-fn seconds(option: &str, text: &str, range: std::ops::RangeInclusive<f64>) -> Result<Dd, Exit> {
-    Dd::parse(text).filter(|time| range.contains(&time.hi)).ok_or_else(|| {
-        Exit::Usage(format!(
-            "{option} is '{text}'; it must be a number of seconds between {:e} and {:e}",
-            range.start(),
-            range.end()
-        ))
-    })
 }

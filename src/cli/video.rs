@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flipmap_engine::choice::Chosen;
-use flipmap_render::farm::merge::legend;
 use flipmap_render::farm::{Plan, PlannedOutput, Task};
+use flipmap_render::film::FilmRecipe;
 use flipmap_render::film::ffmpeg::{Codec, arguments};
 use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
+use super::frames::check_film;
 use super::plan::check_overwrites_only_plans;
 use super::progress::Mode;
-use super::run_options::{check_steps, start};
+use super::run_options::start;
 use super::same_file::keep_from_frames;
 use super::{farm, frames, stop};
 
@@ -46,15 +47,12 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if options.print_ffmpeg {
         return print(codec, &film, &options.output);
     }
-    if let Some(codec) = codec {
-        codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
-    }
     keep_from_frames(&options.film.files(), &options.output)?;
     if film.kind() != FilmKind::Flips {
         return frames::run(options, &film, &spec);
     }
-    legend(&film, &film.keys[0].scene.picture)?;
-    farm::check_output(&options.output)?;
+    let document = &film.keys[0].scene;
+    farm::check(&FilmRecipe { film: &film, document, output: &options.output })?;
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
     prepare(&cache, options)?;
     let path = cache.join("plan.toml");
@@ -103,7 +101,7 @@ fn plan_in(cache: &Path) -> Destination {
 
 /// Writes a plan of a single shard next to the samples and returns its task.
 fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Result<Task> {
-    check_steps(&film.keys[0].scene.scene(), chosen.config)?;
+    check_film(&film, chosen.config)?;
     let engine = (chosen.engine.as_ref(), chosen.config, verify);
     let plan = Plan::new(PlannedOutput::Film(film), 1, engine, false);
     super::write_whole(path, "--cache", plan.text().as_bytes())?;

@@ -5,8 +5,11 @@
 //! * [`output`] writes PNG, EXR, NumPy and tiled pictures, each either complete or absent; its
 //!   [`PictureRecipe`](output::PictureRecipe) is the only way in which a picture is made, its
 //!   [`Trace`](output::Trace) follows a single pendulum;
-//! * [`film`] paints the frames between keys and feeds an encoder;
+//! * [`film`] paints the frames between keys and feeds an encoder; its
+//!   [`FilmRecipe`](film::FilmRecipe) is the only way in which a film is made;
 //! * [`farm`] splits stills and films into shards, and joins them.
+//!
+//! A [`Watch`] takes the progress of long computations and can stop them.
 //!
 //! ```
 //! use flipmap_engine::EngineKind;
@@ -26,3 +29,6 @@ pub mod farm;
 pub mod film;
 pub mod output;
 pub mod tiles;
+mod watch;
+
+pub use watch::Watch;

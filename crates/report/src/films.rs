@@ -16,10 +16,10 @@ use super::{Report, ReportError, as_words};
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::{Engine, IntegratorConfig};
 use flipmap_numbers::Scalar;
-use flipmap_render::farm::merge::{self, FilmSink, MergeError};
 pub(crate) use flipmap_render::farm::{
     PartError, Parts, Plan, PlanError, PlannedOutput, RunError, Task, run,
 };
+use flipmap_render::film::{FilmError, FilmRecipe};
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key};
 use flipmap_scene::{BuiltIn, Document, Sampling};
@@ -210,11 +210,11 @@ impl Bench<'_> {
         let film_samples = planned(long_film(), backend.engine(), folder.path())?.samples();
         let film = PAINTED.film();
         let (task, _) = self.sampled(film.clone(), backend, folder.path())?;
-        let scene = &film.keys[0].scene;
         let begun = Instant::now();
         let mut parts = Parts::scan(&task.folder, task.forms())?;
-        let sink = FilmSink::open(&folder.path().join("film.mp4"), &film, scene)?;
-        merge::film(&task, &scene.picture, &mut parts, sink, &mut |_| !(self.stop)())?;
+        let (document, output) = (&film.keys[0].scene, &folder.path().join("film.mp4"));
+        let recipe = FilmRecipe { film: &film, document, output };
+        recipe.merge(&task, &mut parts, &|_, _| !(self.stop)())?;
         Ok(PaintingRow { film_samples, frames: film.frames, secs: begun.elapsed().as_secs_f64() })
     }
 
@@ -229,7 +229,7 @@ impl Bench<'_> {
         let mut engine = DepthEngine::new(Box::new(backend.engine()), self.threads)?;
         let task = planned(film, &engine, folder)?;
         let missing = task.missing(1, &Parts::default());
-        run(&task, &missing, &mut engine, &mut |_| !(self.stop)())?;
+        run(&task, &missing, &mut engine, &|_, _| !(self.stop)())?;
         Ok((task, begun.elapsed().as_secs_f64()))
     }
 }
@@ -254,10 +254,10 @@ impl From<RunError> for ReportError {
     }
 }
 
-impl From<MergeError> for ReportError {
-    fn from(error: MergeError) -> Self {
+impl From<FilmError> for ReportError {
+    fn from(error: FilmError) -> Self {
         match error {
-            MergeError::Stopped => ReportError::Stopped,
+            FilmError::Stopped => ReportError::Stopped,
             error => ReportError::Film(error.to_string()),
         }
     }

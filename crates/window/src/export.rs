@@ -11,7 +11,8 @@ use super::film_run::{FilmRequest, FilmRunError, film};
 use flipmap_engine::Cells;
 use flipmap_engine::choice::{EngineRequest, choose};
 use flipmap_engine::run_settings::{RunSettingsError, RunSpec};
-use flipmap_render::output::{Paths, PictureRecipe, RenderError, Watch, is_one_file, sentence};
+use flipmap_render::Watch;
+use flipmap_render::output::{Paths, PictureRecipe, RenderError, is_one_file, sentence};
 use flipmap_render::tiles::Renderer;
 use flipmap_scene::{Document, DocumentError, RunTable};
 

@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 
 use super::task::{FrameTask, TaskKind, WorkPiece};
 use super::{PartError, PartWriter, Task};
+use crate::Watch;
 use crate::output::RowOrder;
 use crate::tiles::moments::Moments;
 use crate::tiles::patch_work::PatchWork;
-use crate::tiles::{Counts, Samples, Work};
-use flipmap_engine::{Engine, EngineError};
+use crate::tiles::{Counts, Renderer, Samples, Work};
+use flipmap_engine::{Cells, Engine, EngineError};
 use flipmap_scene::lattice::Cell;
 
 /// Reasons why not everything was computed.
@@ -37,14 +38,42 @@ const MIN_WAIT: Duration = Duration::from_millis(500);
 /// parts.
 const WAIT_SHARE: u32 = 60;
 
-/// Computes pieces of a task. `keep_going` takes the counts so far and returns false to stop;
-/// finished samples are saved even then.
+/// Computes pieces of a task; if the renderer checks pixels, it first integrates some pixels of
+/// each still directly. Every shard takes the same pixels, so all shards mark the same views.
+pub fn compute(
+    task: &Task,
+    pieces: &[WorkPiece],
+    renderer: &mut Renderer,
+    watch: &dyn Watch,
+) -> Result<Counts, RunError> {
+    let total = samples_of(task, pieces);
+    let mut counts = Counts::default();
+    let scene_of = |piece: &WorkPiece| task.still(piece).map(|(scene, _)| scene);
+    for pieces in pieces.chunk_by(|a, b| scene_of(a) == scene_of(b)) {
+        let before = counts.pixels;
+        let watch_piece = |done: u64, _| watch.keep_going(before + done, total);
+        if let Some((scene, pass)) = task.still(&pieces[0]) {
+            let goes_on = || watch_piece(0, total);
+            let opinion = renderer.second_opinion(&scene, pass.pixels(), Cells::Auto, &goes_on)?;
+            opinion.iter().for_each(|opinion| watch.hear(opinion));
+        }
+        counts += run(task, pieces, renderer.engine(), &watch_piece)?;
+    }
+    Ok(counts)
+}
+
+fn samples_of(task: &Task, pieces: &[WorkPiece]) -> u64 {
+    pieces.iter().map(|piece| piece.samples(task)).sum()
+}
+
+/// Computes pieces of a task with an engine; finished samples are saved even if `watch` stops it.
 pub fn run(
     task: &Task,
     pieces: &[WorkPiece],
     engine: &mut dyn Engine,
-    keep_going: &mut dyn FnMut(&Counts) -> bool,
+    watch: &dyn Watch,
 ) -> Result<Counts, RunError> {
+    let total = samples_of(task, pieces);
     let mut counts = Counts::default();
     let begun = Instant::now();
     for piece in pieces {
@@ -52,7 +81,7 @@ pub fn run(
         let mut keep_going = |now: Counts| {
             counts = before;
             counts += now;
-            keep_going(&counts)
+            watch.keep_going(counts.pixels, total)
         };
         match (piece, &task.work) {
             (WorkPiece::Motion(moved, rows), TaskKind::Frames(_, frames)) => {

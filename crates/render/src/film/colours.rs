@@ -1,11 +1,13 @@
-//! Converts the samples of a patch to linear light.
+//! The colours of a film: converts the samples of a patch to linear light.
 
 use super::WAITING;
 use super::mip::{LOOKS, Light, Looks};
+use crate::output::Legend;
 use crate::tiles::Samples;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::film::{Film, Shot};
-use flipmap_scene::palette::{Rgb, Tones, light_table};
+use flipmap_scene::palette::{AnswerColours, Rgb, Tones, light_table};
+use flipmap_scene::{PictureTable, SceneError};
 
 /// Number of steps between the lowest and the highest height.
 pub(super) const HIGHEST: f64 = 65534.0;
@@ -100,4 +102,30 @@ impl Colours {
             _ => self.tones.colour(outcome),
         }
     }
+}
+
+/// Settles the single colour scale of a film of flips, which each frame records; refuses invalid
+/// colours.
+pub fn settle_colours(film: &Film, picture: &mut PictureTable) -> Result<(), SceneError> {
+    picture.check()?;
+    if picture.times.is_empty() {
+        picture.times = tones(film, picture)?.range_secs().to_vec();
+    }
+    Ok(())
+}
+
+/// Returns the single colour scale of a film of flips.
+pub(crate) fn tones(film: &Film, picture: &PictureTable) -> Result<Tones, SceneError> {
+    Tones::new(picture, film.keys[0].scene.pendulum.unit_secs(), film.budget_secs())
+}
+
+/// Returns the legend of a film, if its picture has one; refuses frames with too little room.
+pub fn legend(film: &Film, picture: &PictureTable) -> Result<Option<Legend>, SceneError> {
+    if !picture.legend {
+        return Ok(None);
+    }
+    let mut scene = film.keys[0].scene.scene();
+    scene.question.budget.secs = film.budget_secs();
+    let colours = AnswerColours::new(&scene, picture)?;
+    Legend::new(&colours, scene.question.ask, film.size).map(Some)
 }

@@ -34,15 +34,19 @@ mod layer;
 mod lit_frame;
 mod mip;
 mod paint;
+mod recipe;
+mod sink;
 
-pub use colours::Colours;
+pub use colours::{Colours, legend, settle_colours};
 
-pub(crate) use colours::FlipWindow;
+pub(crate) use colours::{FlipWindow, tones};
 pub(crate) use frames::FrameError;
 pub use frames::Frames;
 pub(crate) use mip::Mip;
 pub use mip::{Light, Looks};
 pub(crate) use paint::{FramePainter, WAITING};
+pub(crate) use recipe::FramePixels;
+pub use recipe::{FilmError, FilmRecipe, check_film, samples_of};
 
 use std::sync::Arc;
 

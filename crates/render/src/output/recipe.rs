@@ -5,17 +5,11 @@ use std::time::Instant;
 
 use super::render::{pass_samples, pass_work, render_pass};
 use super::{OutputError, Paths, RenderClock, RenderError, SinkPass, Sinks};
+use crate::Watch;
 use crate::tiles::{Counts, Renderer, SavedPixels, check_feasible};
 use flipmap_engine::Cells;
 use flipmap_engine::trust::Opinion;
 use flipmap_scene::{Document, SceneError};
-
-/// Progress and cancellation of a long computation.
-pub trait Watch: Sync {
-    /// Takes the progress, `done` of `total` samples, at least every few hundredths of a second;
-    /// returns false to stop.
-    fn keep_going(&self, done: u64, total: u64) -> bool;
-}
 
 /// A picture to be made.
 pub struct PictureRecipe<'a> {

@@ -2,22 +2,17 @@
 //! standard in double-double.
 
 use super::trace_channels::TraceChannels;
+use super::trace_table::TraceError;
 use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::first_moments::FirstPass;
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::passes::{Pass, passes_in};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};
 use flipmap_pendulum::{Pendulum, Rule, State};
-use flipmap_scene::{Scene, in_rad};
-
-/// An error: the motion is so fast that its numbers are no longer finite.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the motion is no longer finite")]
-pub struct NotFinite;
+use flipmap_scene::{Scene, SceneError, in_rad};
 
 /// The result of [`Trace::advance`].
-#[derive(Clone, Debug, PartialEq)]
-pub enum Advance {
+pub(super) enum Advance {
     /// The next row, in the order of [`Trace::columns`]; NaN where a channel has no value yet.
     Row(Vec<f64>),
     /// A step of the integration, without a row.
@@ -29,23 +24,18 @@ pub enum Advance {
 /// A pendulum in motion, and the rows of its table.
 ///
 /// ```
-/// use flipmap_render::output::{Advance, Trace, launch_from_text};
-/// use flipmap_numbers::Dd;
+/// use flipmap_render::output::Trace;
 /// use flipmap_scene::Scene;
 ///
-/// let start = launch_from_text("3,3").unwrap();
-/// let mut trace = Trace::new(&Scene::default(), start, [2.0, 0.5].map(Dd::new));
-/// let mut rows = Vec::new();
-/// loop {
-///     match trace.advance()? {
-///         Advance::Row(row) => rows.push(row),
-///         Advance::Step => {}
-///         Advance::End => break,
-///     }
-/// }
-/// assert_eq!(rows.len(), 5);
+/// let mut trace = Trace::from_text(&Scene::default(), "3,3", "2", "0.5")?;
+/// let mut rows = 0;
+/// trace.follow(&|_, _| true, &mut |_row| {
+///     rows += 1;
+///     Ok(())
+/// })?;
+/// assert_eq!(rows, 5);
 /// assert!((trace.passes()[0].time.hi - 0.564_452_316_577_663_8).abs() < 1e-12);
-/// # Ok::<(), flipmap_render::output::NotFinite>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Trace {
     pendulum: Pendulum<Dd>,
@@ -66,8 +56,30 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// Releases a scene's pendulum; the rows go from 0 to `until` in steps of `every`, both in s.
-    pub fn new(scene: &Scene, start: State<Exact>, [until, every]: [Dd; 2]) -> Self {
+    /// Releases a scene's pendulum at `start`: `θ1,θ2` or `θ1,θ2,ω1,ω2` in rad and rad/s, with
+    /// angles also as in `-95deg,0.5pi`. The rows go from 0 to `until` in steps of `every`, both
+    /// in s.
+    pub fn from_text(
+        scene: &Scene,
+        start: &str,
+        until: &str,
+        every: &str,
+    ) -> Result<Self, SceneError> {
+        let launch = launch_from_text(start).ok_or_else(|| {
+            let range = "it must be two angles between -1e6 and 1e6 rad, separated by a comma, or \
+                         these and two speeds between -1e6 and 1e6 rad/s";
+            SceneError::new("start", format!("'{start}'"), range)
+        })?;
+        let times = [secs_from_text("until", until)?, secs_from_text("every", every)?];
+        let rows = (times[0] / times[1]).hi;
+        if rows > MAX_ROWS {
+            let range = format!("that gives {rows:.0e} rows in {until} s, of {MAX_ROWS:e} at most");
+            return Err(SceneError::new("every", every, range));
+        }
+        Ok(Trace::new(scene, launch, times))
+    }
+
+    fn new(scene: &Scene, start: State<Exact>, [until, every]: [Dd; 2]) -> Self {
         let pendulum: Pendulum<Dd> = scene.build.pendulum_in();
         let (reduced, unit_secs) = scene.build.reduced_in::<Exact>();
         let bobs = Rule::Either.watched();
@@ -110,8 +122,13 @@ impl Trace {
         &self.passes
     }
 
+    /// Returns the numbers of rows so far and in all.
+    pub(super) fn rows(&self) -> [u64; 2] {
+        [self.row, (self.until / self.every).hi as u64 + 1]
+    }
+
     /// Returns the next row, or integrates another step.
-    pub fn advance(&mut self) -> Result<Advance, NotFinite> {
+    pub(super) fn advance(&mut self) -> Result<Advance, TraceError> {
         let time = self.every * Dd::new(self.row as f64);
         if let Some(step) = &self.step
             && time <= step.end()
@@ -126,7 +143,7 @@ impl Trace {
         }
         let step = self.orbit.step();
         if !self.orbit.state().speed[1].is_finite() {
-            return Err(NotFinite);
+            return Err(TraceError::NotFinite);
         }
         let told = self.passes.len();
         let (first, from) = (&mut self.first.0, self.first.1);
@@ -150,9 +167,19 @@ impl Trace {
     }
 }
 
-/// Reads a start, `θ1,θ2` or `θ1,θ2,ω1,ω2` in rad and rad/s, with angles also as in `-95deg,0.5pi`;
-/// `None` unless these are numbers between -1e6 and 1e6.
-pub fn launch_from_text(text: &str) -> Option<State<Exact>> {
+/// Maximum number of rows in a table.
+const MAX_ROWS: f64 = 1e8;
+
+/// Reads a time in s.
+fn secs_from_text(setting: &'static str, text: &str) -> Result<Dd, SceneError> {
+    Dd::parse(text).filter(|time| (1e-9..=1e6).contains(&time.hi)).ok_or_else(|| {
+        let range = "it must be a number of seconds between 1e-9 and 1e6";
+        SceneError::new(setting, format!("'{text}'"), range)
+    })
+}
+
+/// Reads a start; `None` unless its numbers lie between -1e6 and 1e6.
+fn launch_from_text(text: &str) -> Option<State<Exact>> {
     let numbers: Option<Vec<Exact>> =
         text.split(',').map(|part| Exact::parse(&in_rad(part))).collect();
     let numbers = numbers.filter(|all| all.iter().all(|number| number.to_f64().abs() <= 1e6))?;

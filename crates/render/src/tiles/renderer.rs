@@ -2,6 +2,7 @@
 
 use super::preview::preview;
 use super::{Counts, Samples, Work, check_feasible, opinion};
+use crate::Watch;
 use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, choose};
 use flipmap_engine::threads::threads_beside;
 use flipmap_engine::trust::{Opinion, TrustEngine};
@@ -84,6 +85,11 @@ impl Renderer {
         }
     }
 
+    /// Returns true if every pixel is checked.
+    pub(crate) fn is_checked(&self) -> bool {
+        matches!(self.engine, MaybeChecked::Checked(_))
+    }
+
     /// Returns the engine alone, for a loop outside the renderer.
     pub fn into_engine(self) -> Box<dyn Engine> {
         match self.engine {
@@ -127,23 +133,24 @@ impl Renderer {
     /// Returns the samples of a checked scene in `size` pixels, row by row from the top; an error
     /// if the pixels lie too close together for the question or the plane.
     pub fn render(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Samples, EngineError> {
-        let samples = self.render_while(scene, size, &|_| true)?;
+        let samples = self.render_while(scene, size, &|_, _| true)?;
         Ok(samples.expect("it is never stopped"))
     }
 
-    /// Returns the samples of a checked scene; `None` once `keep_going`, which takes the counts so
-    /// far, returns false.
+    /// Returns the samples of a checked scene; `None` if `watch` stops it.
     pub fn render_while(
         &mut self,
         scene: &Scene,
         size: [u32; 2],
-        keep_going: &(dyn Fn(&Counts) -> bool + Sync),
+        watch: &dyn Watch,
     ) -> Result<Option<Samples>, EngineError> {
         let scene = &scene.clone().settled();
         check_feasible(scene, size, &self.config, Cells::Auto)?;
-        self.second_opinion(scene, size, Cells::Auto, &|| keep_going(&Counts::default()))?;
+        let total = u64::from(size[0]) * u64::from(size[1]);
+        self.second_opinion(scene, size, Cells::Auto, &|| watch.keep_going(0, total))?;
         let mut work = self.work(scene, size);
-        let samples = preview(&mut work, size, self.engine(), keep_going)?;
+        let keep_going = |counts: &Counts| watch.keep_going(counts.pixels, total);
+        let samples = preview(&mut work, size, self.engine(), &keep_going)?;
         self.counts = work.counts();
         Ok(samples)
     }

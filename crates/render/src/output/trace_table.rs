@@ -1,0 +1,63 @@
+//! The only path from a pendulum's motion to the rows of its table.
+
+use std::io::{self, Write};
+
+use super::trace::{Advance, Trace};
+use crate::Watch;
+
+/// Reasons why a table was not completed.
+#[derive(Debug, thiserror::Error)]
+pub enum TraceError {
+    /// The motion is so fast that its numbers are no longer finite.
+    #[error("the motion is no longer finite")]
+    NotFinite,
+    /// A row could not be written.
+    #[error(transparent)]
+    Write(#[from] io::Error),
+    /// A request to stop.
+    #[error("stopped")]
+    Stopped,
+}
+
+/// Index of the column with the energy error.
+const ENERGY_ERROR: usize = 5;
+
+impl Trace {
+    /// Follows the motion to its end, and passes each row to `take` in the order of
+    /// [`Trace::columns`]; NaN where a channel has no value yet.
+    pub fn follow(
+        &mut self,
+        watch: &dyn Watch,
+        take: &mut dyn FnMut(&[f64]) -> io::Result<()>,
+    ) -> Result<(), TraceError> {
+        loop {
+            let [done, total] = self.rows();
+            if !watch.keep_going(done, total) {
+                return Err(TraceError::Stopped);
+            }
+            match self.advance()? {
+                Advance::Row(row) => take(&row)?,
+                Advance::Step => {}
+                Advance::End => return Ok(()),
+            }
+        }
+    }
+
+    /// Writes the names of the columns and all rows, separated by commas: the energy error, which
+    /// is very small, with an exponent, and NaN as an empty cell.
+    pub fn write_table(
+        &mut self,
+        out: &mut dyn Write,
+        watch: &dyn Watch,
+    ) -> Result<(), TraceError> {
+        writeln!(out, "{}", self.columns().join(","))?;
+        self.follow(watch, &mut |row| {
+            let words = row.iter().enumerate().map(|(column, number)| match column {
+                _ if number.is_nan() => String::new(),
+                ENERGY_ERROR => format!("{number:e}"),
+                _ => number.to_string(),
+            });
+            writeln!(out, "{}", words.collect::<Vec<_>>().join(","))
+        })
+    }
+}
