@@ -47,5 +47,5 @@ fn panels_places_and_palettes_are_found_by_name() {
     press(&mut desktop, Modifiers::NONE, Key::F9);
     assert!(!desktop.state().state.shown.side);
     press(&mut desktop, Modifiers::NONE, Key::F12);
-    assert!(desktop.query_by_label("Lose the graphics device").is_some(), "it shows itself");
+    assert!(desktop.query_by_label("Measured").is_some(), "it shows itself");
 }

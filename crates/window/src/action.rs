@@ -148,6 +148,7 @@ pub enum Action {
     /// Switches between full screen and a window.
     FullScreen,
     /// Destroys the graphics device, to check that the window survives its loss.
+    #[cfg(feature = "rigs")]
     LoseDevice,
     /// Closes the window.
     Quit,

@@ -44,6 +44,10 @@ pub(crate) fn commands(state: &AppState) -> Vec<Command> {
     commands.extend(showing(&state.layers));
     commands.extend(doing(state));
     commands.extend(teaching());
+    #[cfg(feature = "rigs")]
+    if state.shown.debug {
+        commands.push(command("Lose the graphics device", [], Action::LoseDevice));
+    }
     commands
 }
 
@@ -112,7 +116,7 @@ fn doing(state: &AppState) -> Vec<Command> {
     let accuracy = |accuracy| Action::Accuracy(accuracy);
     let scale = |factor: f32| Action::UiScale(state.look.ui_scale * factor);
     let ctrl = |letter| [key(Modifiers::COMMAND, letter)];
-    let mut commands = vec![
+    vec![
         command("Pin the middle of the map", [key(PLAIN, Key::P)], Action::Pin(DVec2::ZERO)),
         command("Go deeper here, or stop", [key(PLAIN, Key::D)], Action::GoDeeper),
         command("Play or pause", [key(PLAIN, Key::Space)], Action::PlayPause),
@@ -137,11 +141,7 @@ fn doing(state: &AppState) -> Vec<Command> {
         command("Anti-aliasing at rest: 16 samples", [], Action::Edges(EdgeSamples::Sixteen)),
         command("Close what is open", [key(PLAIN, Key::Escape)], Action::Escape),
         command("Quit", ctrl(Key::Q), Action::Quit),
-    ];
-    if state.shown.debug {
-        commands.push(command("Lose the graphics device", [], Action::LoseDevice));
-    }
-    commands
+    ]
 }
 
 /// The commands of the laboratory.

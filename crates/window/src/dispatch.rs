@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use super::action::Action;
 use super::dialog::{DialogAnswer, FileDialog};
+use super::integration::Integration;
 use super::model::{AppModel, Asking};
 use super::pin_start::PinStart;
 use super::settings::Settings;
 use super::state::Effect;
 use flipmap_engine::choice::EngineRequest;
+use flipmap_engine::run_settings::RunSpec;
 use flipmap_numbers::Exact;
 use flipmap_render::output::{read_document, read_gradient};
 use flipmap_scene::PictureTable;
@@ -48,14 +50,8 @@ impl AppModel {
             Action::Favourite(digit) => state.show_favourite(digit, &self.settings),
             Action::KeepFavourite(digit) => state.keep_favourite(digit, &mut self.settings),
             Action::Timeline(clock) => state.set_timeline(clock),
-            Action::Accuracy(accuracy) => {
-                state.set_accuracy(accuracy);
-                self.follow(true);
-            }
-            Action::Engine(kind) => {
-                state.integration.kind = kind;
-                self.follow(true);
-            }
+            Action::Accuracy(level) => self.compute_with(|how| how.spec = RunSpec::of_level(level)),
+            Action::Engine(kind) => self.compute_with(|how| how.kind = kind),
             Action::TryAgain => self.follow(true),
             Action::Layers(layers) => state.layers = layers,
             Action::Panel(name) => state.open_panel(name),
@@ -79,10 +75,17 @@ impl AppModel {
             Action::Animate(animate) => state.look.animate = animate,
             Action::Edges(edges) => state.look.edges = edges,
             Action::FullScreen => return Some(Effect::FullScreen),
+            #[cfg(feature = "rigs")]
             Action::LoseDevice => return Some(Effect::LoseDevice),
             Action::Quit => return Some(Effect::Quit),
         }
         None
+    }
+
+    /// Changes how pixels are computed, and opens the engine for it.
+    fn compute_with(&mut self, change: impl FnOnce(&mut Integration)) {
+        change(&mut self.state.integration);
+        self.follow(true);
     }
 
     /// Follows a change of what is computed: opens another engine if `reopens` is true or the

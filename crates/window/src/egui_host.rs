@@ -153,6 +153,7 @@ impl EguiHost {
     }
 
     /// Destroys the device, as a driver reset does.
+    #[cfg(feature = "rigs")]
     pub(crate) fn lose_device(&self) {
         if let Some(state) = self.painter.render_state() {
             state.device.destroy();

@@ -112,7 +112,11 @@ impl AppModel {
                 actions.extend(window_panel(ui, &self.state, &mut self.settings));
             });
             if self.state.shown.debug {
-                panels.show("Measured", true, |ui| actions.extend(self.measurements(ui)));
+                panels.show("Measured", true, |ui| {
+                    self.measured.iter().for_each(|line| {
+                        ui.monospace(line);
+                    })
+                });
             }
         });
         actions
@@ -130,14 +134,6 @@ impl AppModel {
         let any = self.compute.explorer.progress().done > 0;
         let done = colours_panel(ui, &state.picture, &state.scene(), any, &state.shown.cycle);
         done.and_then(|action| self.colour(action))
-    }
-
-    /// Shows the window's measurements of itself.
-    fn measurements(&self, ui: &mut Ui) -> Option<Action> {
-        self.measured.iter().for_each(|line| {
-            ui.monospace(line);
-        });
-        ui.button("Lose the graphics device").clicked().then_some(Action::LoseDevice)
     }
 
     /// Shows buttons that open the selected pin's start in a figure of the laboratory.

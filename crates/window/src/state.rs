@@ -12,8 +12,8 @@ use super::notices::Notices;
 use super::pins::{PinAction, Pins};
 use super::reach::Reach;
 use super::settings::{Appearance, Layers};
+use flipmap_engine::IntegratorConfig;
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_engine::{Accuracy, IntegratorConfig};
 use flipmap_numbers::Exact;
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::{Document, PendulumSpec, PictureTable, Plane, QuestionSettings, Scene};
@@ -70,6 +70,7 @@ pub enum Effect {
     /// Puts a text into the clipboard.
     Copy(String),
     /// Destroys the graphics device.
+    #[cfg(feature = "rigs")]
     LoseDevice,
 }
 
@@ -278,11 +279,6 @@ impl AppState {
         }
     }
 
-    /// Sets the accuracy level.
-    pub(super) fn set_accuracy(&mut self, accuracy: Accuracy) {
-        self.integration.spec = RunSpec::of_level(accuracy);
-    }
-
     /// Opens or closes a dialog.
     pub fn toggle(&mut self, dialog: Dialog) {
         let shown = match dialog {
@@ -328,7 +324,7 @@ pub(super) mod tests {
     use crate::settings::EdgeSamples;
     use flipmap_engine::choice::IntegrationSetting;
     use flipmap_engine::level::BALANCED;
-    use flipmap_engine::{Method, Precision};
+    use flipmap_engine::{Accuracy, Method, Precision};
     use flipmap_numbers::Scalar;
     use flipmap_scene::Budget;
     use flipmap_scene::question::QuestionName;

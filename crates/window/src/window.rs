@@ -192,6 +192,7 @@ impl Runner {
                 open.window.set_fullscreen(whole.then_some(Fullscreen::Borderless(None)));
             }
             Effect::Copy(text) => open.host.ctx.copy_text(text),
+            #[cfg(feature = "rigs")]
             Effect::LoseDevice => open.host.lose_device(),
         }
         self.draw_at(Instant::now());
