@@ -2,71 +2,20 @@
 
 use std::io::Write;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::failure::{OutputError, is_broken_pipe};
-use super::picture_file::{check_depth, format_of};
+use super::paths::{Output, Paths};
 use super::{
     Destination, ExrWriter, NpyWriter, PictureFile, PngError, Pyramid, PyramidFolder, RowPainter,
     SafeFile, Spool, trust_colours,
 };
 use crate::tiles::{PlainPixels, Samples};
 use flipmap_scene::palette::{Tint, rounded_channel};
-use flipmap_scene::{Document, PictureTable, Sampling, Shown};
-
-/// Paths of the outputs, by setting.
-#[derive(Clone, Debug, Default)]
-pub struct Paths {
-    /// The picture.
-    pub picture: Option<PathBuf>,
-    /// The pyramid of tiles.
-    pub pyramid: Option<PathBuf>,
-    /// The array of answers.
-    pub raw: Option<PathBuf>,
-    /// The image with all channels.
-    pub exr: Option<PathBuf>,
-    /// The picture that shows each pixel's trust.
-    pub trust: Option<PathBuf>,
-}
-
-impl Paths {
-    /// Returns each given path with its setting.
-    pub fn named(&self) -> Vec<(&'static str, &Path)> {
-        let all = [
-            (PICTURE, &self.picture),
-            (PYRAMID, &self.pyramid),
-            ("raw", &self.raw),
-            ("exr", &self.exr),
-            (TRUST, &self.trust),
-        ];
-        all.into_iter().filter_map(|(setting, path)| Some((setting, path.as_deref()?))).collect()
-    }
-
-    /// Refuses outputs that could not be written, before anything is computed.
-    pub fn check(&self, picture: &PictureTable) -> Result<(), OutputError> {
-        self.named().into_iter().try_for_each(|(setting, path)| {
-            let name = Destination::from(path);
-            let begun = match setting {
-                PYRAMID => PyramidFolder::create(path).map(drop),
-                PICTURE if picture.bits == 16 => {
-                    check_depth(path).and_then(|()| SafeFile::check(&name))
-                }
-                PICTURE | TRUST => format_of(path).and_then(|_| SafeFile::check(&name)),
-                _ => SafeFile::check(&name),
-            };
-            begun.map_err(|source| OutputError::Create { setting, name, source })
-        })
-    }
-}
-
-/// The settings whose outputs are pictures in the format of their name.
-const PICTURE: &str = "output";
-const TRUST: &str = "trust";
-/// The setting whose output is a folder.
-const PYRAMID: &str = "pyramid";
+use flipmap_scene::{Document, Sampling, Shown};
 
 /// One run over the picture, for the outputs that need its samples.
 pub struct SinkPass {
@@ -107,36 +56,34 @@ enum Complete {
 impl Sink {
     /// Begins an output; refuses at once one that cannot be created.
     fn begin(
-        setting: &'static str,
+        output: Output,
         path: &Path,
         document: &Document,
         size: [u32; 2],
     ) -> Result<Self, OutputError> {
         let name = Destination::from(path);
+        let (setting, deep) = (output.setting(), document.picture.bits == 16);
         let refused = |source| OutputError::Create { setting, name: name.clone(), source };
-        if setting == PYRAMID {
-            let begun = Pyramid::create(path, size, document).map_err(refused)?;
-            return Ok(Sink::Pyramid(Box::new(begun)));
-        }
-        if setting == PICTURE && document.picture.bits == 16 {
-            let begun = PictureFile::create_deep(path, size, document).map_err(refused)?;
-            return Ok(Sink::DeepPicture(begun));
-        }
-        if setting == PICTURE || setting == TRUST {
-            let begun = PictureFile::create(path, size, Some(document)).map_err(refused)?;
-            return Ok(if setting == PICTURE { Sink::Picture(begun) } else { Sink::Trust(begun) });
-        }
-        let file = SafeFile::create(&name).map_err(refused)?;
-        let begun = match setting {
-            "raw" => NpyWriter::new(file, size, channels_of(document))
-                .map(Sink::Raw)
-                .map_err(PngError::from),
-            _ => Spool::new(file)
-                .and_then(|file| ExrWriter::new(file, size, document))
-                .map(|exr| Sink::Exr(Box::new(exr)))
-                .map_err(PngError::from),
-        };
-        begun.map_err(|source| write_error(&name, source))
+        let failed = |source: std::io::Error| write_error(&name, source.into());
+        let file = || SafeFile::create(&name).map_err(refused);
+        let picture = || PictureFile::create(path, size, Some(document)).map_err(refused);
+        Ok(match output {
+            Output::Picture if deep => {
+                Sink::DeepPicture(PictureFile::create_deep(path, size, document).map_err(refused)?)
+            }
+            Output::Picture => Sink::Picture(picture()?),
+            Output::Trust => Sink::Trust(picture()?),
+            Output::Pyramid => {
+                Sink::Pyramid(Box::new(Pyramid::create(path, size, document).map_err(refused)?))
+            }
+            Output::Raw => {
+                Sink::Raw(NpyWriter::new(file()?, size, channels_of(document)).map_err(failed)?)
+            }
+            Output::Exr => {
+                let spool = Spool::new(file()?).map_err(failed)?;
+                Sink::Exr(Box::new(ExrWriter::new(spool, size, document).map_err(failed)?))
+            }
+        })
     }
 
     /// Returns true if the output consists of the picture's colours.
@@ -231,11 +178,10 @@ pub struct Sinks {
 impl Sinks {
     /// Opens every output.
     pub fn open(paths: &Paths, document: &Document, size: [u32; 2]) -> Result<Self, OutputError> {
-        let begin = |(setting, path): (&'static str, &Path)| {
-            Ok((Sink::begin(setting, path, document, size)?, Destination::from(path)))
+        let begin = |(output, path): (Output, &Path)| {
+            Ok((Sink::begin(output, path, document, size)?, Destination::from(path)))
         };
-        let open: Vec<_> =
-            paths.named().into_iter().map(begin).collect::<Result<_, OutputError>>()?;
+        let open: Vec<_> = paths.outputs().map(begin).collect::<Result<_, OutputError>>()?;
         let paint = || RowPainter::new(&document.scene(), size, &document.picture);
         let painter = open.iter().any(|(sink, _)| sink.is_painted()).then(paint).transpose()?;
         Ok(Sinks { painter, painted: Painted::default(), open })
