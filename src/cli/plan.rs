@@ -206,7 +206,7 @@ pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<()> {
                 return Err(Exit::Usage(only.to_string()).into());
             };
             if let Some(codec) = codec_of(output)? {
-                codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
+                codec.check(film.size).map_err(|why| Exit::usage(&why))?;
             }
             spares_parts(&task.folder, &paths)?;
             farm::check_output(output)?;

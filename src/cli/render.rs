@@ -199,8 +199,7 @@ pub(super) fn check_numbers(
     config: IntegratorConfig,
     cells: Cells,
 ) -> Result<(), Exit> {
-    tiles::check_feasible(scene, size, &config, cells)
-        .map_err(|error| Exit::Usage(error.to_string()))?;
+    tiles::check_feasible(scene, size, &config, cells).map_err(|error| Exit::usage(&error))?;
     let pixel = Grid::new(scene, size).pixel_rad();
     let needed = (-pixel.log10()).ceil() as usize;
     let given = scene.view.center.iter().map(|text| decimals(text)).min().unwrap_or(0);
@@ -262,10 +261,7 @@ fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result
 
 fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
     let picture = &document.picture;
-    picture
-        .check()
-        .and_then(|()| picture.check_size(size))
-        .map_err(|why| Exit::Usage(why.to_string()))
+    picture.check().and_then(|()| picture.check_size(size)).map_err(|why| Exit::usage(&why))
 }
 
 /// The JSON object of a run.

@@ -47,7 +47,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         return print(codec, &film, &options.output);
     }
     if let Some(codec) = codec {
-        codec.check(film.size).map_err(|why| Exit::Usage(why.to_string()))?;
+        codec.check(film.size).map_err(|why| Exit::usage(&why))?;
     }
     keep_from_frames(&options.film.files(), &options.output)?;
     if film.kind() != FilmKind::Flips {

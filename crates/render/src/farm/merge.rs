@@ -22,7 +22,7 @@ pub enum MergeError {
     #[error(transparent)]
     Part(#[from] PartError),
     /// An error of a still's file.
-    #[error(transparent)]
+    #[error("{0}")]
     Output(#[from] OutputError),
     /// An error of a frame.
     #[error(transparent)]
@@ -31,7 +31,7 @@ pub enum MergeError {
     #[error(transparent)]
     Ffmpeg(#[from] FfmpegError),
     /// A picture that cannot be painted with these settings.
-    #[error(transparent)]
+    #[error("{0}")]
     Picture(#[from] SceneError),
     /// An error of the temporary file that holds the colours of a film's patches.
     #[error("cannot keep colours beside the samples, which takes nearly as much room again")]

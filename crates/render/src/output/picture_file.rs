@@ -31,7 +31,7 @@ pub(super) fn check_depth(path: &Path) -> io::Result<()> {
     match format_of(path)? {
         Some(format @ (ImageFormat::Jpeg | ImageFormat::WebP)) => {
             let ending = format.extensions_str()[0];
-            let why = format!(".{ending} has no 16 bits (`bits`): name a .png or a .tiff");
+            let why = format!(".{ending} has no 16 bits a channel: name a .png or a .tiff");
             Err(io::Error::other(why))
         }
         _ => Ok(()),
