@@ -20,8 +20,8 @@ mod _flipmap {
     /// Exports the words and codes that Python needs, so that they are defined only once.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        let words = Setting::ALL.map(|(name, _)| name);
-        module.add("WORDS", words.to_vec())?;
+        let words: Vec<_> = Setting::all().map(Setting::name).collect();
+        module.add("WORDS", words)?;
         let scenes: Vec<_> = BuiltIn::names().split(", ").map(str::to_string).collect();
         module.add("SCENES", scenes)?;
         let statuses = [

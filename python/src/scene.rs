@@ -18,9 +18,8 @@ pub(crate) fn document(scene: Option<&str>, words: &[(String, String)]) -> PyRes
         None => BuiltIn::home().document(),
     };
     let words = words.iter().map(|(name, text)| {
-        let word = Setting::ALL.iter().find(|(word, _)| word == name);
-        let (_, word) = word.ok_or_else(|| value_error(format!("there is no word {name}")))?;
-        Ok((*word, text.as_str()))
+        let unknown = || value_error(format!("there is no word {name}"));
+        Ok((Setting::named(name).ok_or_else(unknown)?, text.as_str()))
     });
     let words = words.collect::<PyResult<Vec<_>>>()?;
     let scene = document.scene().with_words(words).map_err(value_error)?;

@@ -8,8 +8,6 @@ use flipmap_engine::choice::{EngineRequest, choose};
 use flipmap_engine::profile::{Profile, TimedPairs};
 use serde_json::{Value, json};
 
-use super::option_names::with_options;
-
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// Measure every engine at every accuracy level, and save the profile
@@ -51,7 +49,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     describe_profile(&mut text, &profile)?;
     write!(text, "\nWould use: {used}\n  because {}", chosen.why)?;
-    super::say(&with_options(&text))
+    super::say(&text)
 }
 
 fn describe_finding(text: &mut String, finding: &AdapterFinding) -> anyhow::Result<()> {

@@ -1,14 +1,15 @@
 //! Exit codes, and the one place where errors become messages.
 
+use std::error::Error;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
 use flipmap_engine::EngineError;
 use flipmap_engine::choice::ChoiceError;
-use flipmap_render::output;
+use flipmap_render::output::{self, OutputError};
 use flipmap_scene::{DocumentError, SceneError};
 
-use super::option_names::with_options;
+use super::option_names::option_of;
 
 /// Failures of the program, by exit code.
 #[derive(Debug, thiserror::Error)]
@@ -56,15 +57,10 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
 /// Maximum number of characters in a message; only one that quotes a very long input has more.
 const MAX_CHARACTERS: usize = 2000;
 
-/// Makes a message safe for a terminal, and replaces the names of settings by their options.
-pub(super) fn printable(message: &str) -> String {
-    clean(&with_options(message))
-}
-
 /// Makes a text safe for a terminal. Words quoted from a file or an option can contain control
 /// characters, which a terminal would obey, can reverse the direction of writing, and can be very
 /// long.
-fn clean(text: &str) -> String {
+pub(super) fn printable(text: &str) -> String {
     let mut cleaned = String::new();
     for (k, character) in text.chars().enumerate() {
         if k == MAX_CHARACTERS {
@@ -97,7 +93,7 @@ pub(super) fn leave(error: &clap::Error) -> ! {
     }
     let text = error.render().to_string();
     let lines: Vec<String> = text.lines().map(shortened).collect();
-    let _ = writeln!(io::stderr(), "{}", clean(&lines.join("\n")).trim_end());
+    let _ = writeln!(io::stderr(), "{}", printable(&lines.join("\n")).trim_end());
     std::process::exit(error.exit_code())
 }
 
@@ -119,8 +115,36 @@ fn sentence(error: &anyhow::Error) -> String {
     }
     match error.downcast_ref() {
         Some(stopped @ (Exit::Interrupted | Exit::Again | Exit::Unwritten)) => stopped.to_string(),
-        _ => output::sentence(error.as_ref()),
+        _ => with_options(error.as_ref()),
     }
+}
+
+impl Exit {
+    /// Returns the usage error for an error of the library.
+    pub(super) fn usage(error: &(dyn Error + 'static)) -> Exit {
+        Exit::Usage(with_options(error))
+    }
+}
+
+/// Describes an error and its causes, outermost first, and calls each setting by its option. An
+/// error that only repeats its cause is left out.
+fn with_options(error: &(dyn Error + 'static)) -> String {
+    let causes = std::iter::successors(Some(error), |cause| (*cause).source());
+    let repeats = |cause: &&(dyn Error + 'static)| {
+        cause.source().is_some_and(|source| source.to_string() == cause.to_string())
+    };
+    let said = causes.filter(|cause| !repeats(cause)).map(|cause| {
+        if let Some(error) = cause.downcast_ref::<SceneError>() {
+            return error.called(&option_of(error.setting));
+        }
+        match cause.downcast_ref() {
+            Some(OutputError::Create { setting, name, .. }) => {
+                format!("{}: cannot write {name}", option_of(setting))
+            }
+            _ => cause.to_string(),
+        }
+    });
+    said.collect::<Vec<_>>().join(": ")
 }
 
 fn code_of(error: &anyhow::Error) -> u8 {
@@ -146,8 +170,8 @@ fn code_of(error: &anyhow::Error) -> u8 {
         if let Some(choice) = cause.downcast_ref() {
             return match choice {
                 ChoiceError::NoAdapter(_) => 69,
-                ChoiceError::UnknownAdapter { .. } => 2,
-                ChoiceError::Engine(EngineError::Unsupported(_)) => 2,
+                ChoiceError::UnknownAdapter(_) => 2,
+                ChoiceError::Engine(EngineError::Setting(_) | EngineError::Unsupported(_)) => 2,
                 ChoiceError::Engine(_) => 1,
             };
         }
@@ -158,6 +182,7 @@ fn code_of(error: &anyhow::Error) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flipmap_render::output::{Destination, RenderError};
 
     #[test]
     fn a_stop_says_what_is_there() {
@@ -169,6 +194,20 @@ mod tests {
         assert!(code == 75 && unwritten.contains("no file was written"), "{unwritten}");
         let (code, again) = said(Exit::Again);
         assert!(code == 75 && again.contains("what was finished is kept"), "{again}");
+    }
+
+    #[test]
+    fn settings_are_called_by_their_options_at_any_depth() {
+        let small = || SceneError::new("width", "'0'", "it must be `more`");
+        let said = "--width is '0'; it must be `more`";
+        assert_eq!(with_options(&small()), said);
+        assert_eq!(with_options(&DocumentError::from(small())), said);
+        let painted = RenderError::from(OutputError::from(small()));
+        assert_eq!(with_options(&painted), said);
+        let name = Destination::from(std::path::Path::new("map.png"));
+        let source = io::Error::other("full");
+        let created = OutputError::Create { setting: "output", name, source };
+        assert_eq!(with_options(&RenderError::from(created)), "-o: cannot write map.png: full");
     }
 
     #[test]

@@ -194,7 +194,7 @@ fn spread(
 /// Rejects a film that could not be painted or written.
 pub(super) fn check(recipe: &FilmRecipe) -> anyhow::Result<()> {
     recipe.check().map_err(|error| match error {
-        FilmError::Ffmpeg(why) => Exit::Usage(why.to_string()).into(),
+        FilmError::Ffmpeg(why) => Exit::usage(&why).into(),
         FilmError::Picture(why) => why.into(),
         error => error.into(),
     })

@@ -1,5 +1,6 @@
 //! The options that describe a film, and their conversion into its keys.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -10,7 +11,7 @@ use flipmap_render::output::read_text;
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key, Keys};
 use flipmap_scene::question::QuestionName;
-use flipmap_scene::{Budget, Document, DocumentError, Sampling, Scene, SceneError, Setting, View};
+use flipmap_scene::{Budget, Document, DocumentError, Sampling, Scene, Setting, View, between};
 
 use super::exit::Exit;
 use super::options::{SceneWords, load, number};
@@ -102,7 +103,7 @@ impl FilmOptions {
             (key.scene.picture, key.scene.run) = how.clone();
         }
         let mut film = self.timed(keys, spec.size())?;
-        film.check().map_err(|why| Exit::Usage(why.to_string()))?;
+        film.check().map_err(|why| Exit::usage(&why))?;
         how.0.check_size(film.size)?;
         for key in &mut film.keys {
             key.scene = std::mem::take(&mut key.scene).settled();
@@ -156,25 +157,22 @@ impl FilmOptions {
 
     /// Scales the keys to the requested length, and settles the number of frames and their rate.
     fn timed(&self, mut keys: Vec<Key>, size: [u32; 2]) -> Result<Film, Exit> {
-        let said = |option: &str, text: &Option<String>, least: f64, most: f64| match text {
-            None => Ok(None),
-            Some(text) => match number(text).filter(|number| (least..=most).contains(number)) {
-                Some(number) => Ok(Some(number)),
-                None => Err(Exit::Usage(format!(
-                    "{option} is '{text}'; it must lie between {least} and {most}"
-                ))),
-            },
+        let said = |option: &str, text: &Option<String>, range: RangeInclusive<f64>| {
+            let Some(text) = text else { return Ok(None) };
+            let fine = number(text).filter(|number| range.contains(number));
+            let refuse = || format!("{option} is '{text}'; it must lie {}", between(&range));
+            fine.map(Some).ok_or_else(|| Exit::Usage(refuse()))
         };
         let most = f64::from(Film::MAX_FRAMES);
         let first = keys[0].secs;
         keys.iter_mut().for_each(|key| key.secs -= first);
         let last = keys[keys.len() - 1].secs;
-        if let Some(secs) = said("--secs", &self.secs, 0.01, 1e6)? {
+        if let Some(secs) = said("--secs", &self.secs, 0.01..=1e6)? {
             keys.iter_mut().for_each(|key| key.secs *= secs / last.max(1e-9));
         }
         let last = keys[keys.len() - 1].secs;
-        let frames = said("--frames", &self.frames, 2.0, most)?;
-        let fps = match (said("--fps", &self.fps, 0.1, 1000.0)?, frames, &self.secs) {
+        let frames = said("--frames", &self.frames, 2.0..=most)?;
+        let fps = match (said("--fps", &self.fps, Film::FPS)?, frames, &self.secs) {
             (Some(fps), Some(frames), Some(_)) if (frames / fps - last).abs() > 1.0 / fps => {
                 return Err(Exit::Usage(format!(
                     "--frames {frames} at --fps {fps} last {:.2} s, and --secs is {last}: leave one \
@@ -183,7 +181,9 @@ impl FilmOptions {
                 )));
             }
             (Some(fps), _, _) => fps,
-            (None, Some(frames), Some(_)) => (frames / last).clamp(0.1, 1000.0),
+            (None, Some(frames), Some(_)) => {
+                (frames / last).clamp(*Film::FPS.start(), *Film::FPS.end())
+            }
             (None, ..) => FPS,
         };
         if frames.is_some_and(|frames| frames.fract() != 0.0) {
@@ -303,8 +303,8 @@ fn asking_state(mut scene: Document, words: &SceneWords) -> Document {
 /// Converts the error of an invalid scene into a usage error that names `--vary`.
 fn refused(vary: &str, why: DocumentError) -> Exit {
     Exit::Usage(match why {
-        DocumentError::Scene(SceneError { setting, value, range }) => {
-            format!("--vary is '{vary}': {setting} is {value}; {range}")
+        DocumentError::Scene(error) => {
+            format!("--vary is '{vary}': {}", error.called(&error.setting))
         }
         other => format!("--vary is '{vary}': {other}"),
     })

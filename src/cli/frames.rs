@@ -39,7 +39,7 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
 /// Rejects a film that the engine cannot compute, and warns of missing digits where each key is
 /// computed as it is.
 pub(super) fn check_film(film: &Film, config: IntegratorConfig) -> Result<(), Exit> {
-    film::check_film(film, &config).map_err(|error| Exit::Usage(error.to_string()))?;
+    film::check_film(film, &config).map_err(|error| Exit::usage(&error))?;
     if film.kind() != FilmKind::Flips {
         let size = film::samples_of(film);
         film.keys.iter().for_each(|key| warn_of_missing_digits(&key.scene.scene(), size));

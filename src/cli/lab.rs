@@ -90,7 +90,7 @@ const MAP_SIDE: u32 = 512;
 fn size(text: &str) -> Result<[u32; 2], Exit> {
     let fits = |size: &[u32; 2]| size.iter().all(|side| (320..=8192).contains(side));
     size::parse(text).filter(fits).ok_or_else(|| {
-        let ways = size::WAYS;
+        let ways = size::ways();
         Exit::Usage(format!("--size is '{text}'; it must be {ways}, each side 320 to 8192 pixels"))
     })
 }

@@ -31,6 +31,7 @@ mod same_file;
 mod size;
 mod spread;
 mod stop;
+mod suggested;
 mod trace;
 mod version;
 mod video;

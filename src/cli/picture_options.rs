@@ -1,29 +1,30 @@
 //! The options that control how samples are painted.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 use std::str::FromStr;
 
 use clap::Args;
 use flipmap_render::output::read_gradient;
 use flipmap_scene::palette::Palette;
-use flipmap_scene::{Document, PictureTable, Sampling, Scale};
+use flipmap_scene::{Document, PictureTable, Sampling, Scale, between, in_a_row, named};
 
 use super::exit::Exit;
 use super::options::{number, set};
 use super::same_file::Named;
+use super::suggested::Suggested;
 
 /// Options that control how samples are painted.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Picture")]
 pub(super) struct PictureOptions {
-    /// Colour palette: iris, batlow, viridis, magma, cividis or romao (cyclic); colours from early to
-    /// late (#000000,#ff8000,#ffffff); or a gradient file (.map, .ugr, .gpl)
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help = palette_help())]
     palette: Option<String>,
     /// Average the colours of N × N samples per pixel, N from 1 to 8; corners (the default): one in
     /// the middle and, where colours change, one in each corner, shared by four pixels; auto: 3 × 3
     /// where colours change, one elsewhere
-    #[arg(long, value_name = "N|corners|auto")]
+    #[arg(long, value_name = "N|corners|auto", hide_possible_values = true,
+          value_parser = Suggested(vec![Sampling::CORNERS, ADAPTIVE]))]
     pub samples: Option<String>,
     /// Reverse the palette: early flips get its last colour and late ones its first
     #[arg(hide_short_help = true, long)]
@@ -33,14 +34,16 @@ pub(super) struct PictureOptions {
     cycles: Option<String>,
     /// Colours after the end of the palette: its beginning (plain), or the palette backwards
     /// (mirrored), which shows no seam. With --cycles, mirrored unless the palette is cyclic
-    #[arg(hide_short_help = true, long, value_name = "mirrored|plain")]
+    #[arg(hide_short_help = true, long, value_name = "mirrored|plain",
+          hide_possible_values = true, value_parser = Suggested::of(&REPEATS))]
     repeat: Option<String>,
     /// Part of the palette to skip before the first time, 0 to 1; 1 is once around
     #[arg(hide_short_help = true, long, value_name = "N", allow_hyphen_values = true)]
     offset: Option<String>,
     /// Colour scale: equal steps of colour for equal ratios (log) or differences (linear) of time, or
     /// one colour between each two of --times (steps)
-    #[arg(hide_short_help = true, long, value_name = "log|linear|steps")]
+    #[arg(hide_short_help = true, long, value_name = "log|linear|steps",
+          hide_possible_values = true, value_parser = Suggested::of(&Scale::ALL))]
     scale: Option<String>,
     /// Two or more times in seconds that divide the palette into equal steps; view: times of the
     /// view itself (the default for views narrower than 1e-6 rad); budget: the whole budget
@@ -76,6 +79,8 @@ pub(super) struct PictureOptions {
     no_curve: bool,
 }
 
+/// Values of `--repeat`: true if every second run through the palette goes backwards.
+const REPEATS: [(&str, bool); 2] = [("mirrored", true), ("plain", false)];
 /// Keywords of `--times`.
 const OF_VIEW: &str = "view";
 const OF_BUDGET: &str = "budget";
@@ -163,11 +168,8 @@ impl PictureOptions {
         if self.cycles.is_some() && picture.cycles > 1.0 {
             picture.mirror = !Palette::is_cyclic(&picture.palette);
         }
-        set(&mut picture.mirror, "--repeat", &self.repeat, |text| match text {
-            "mirrored" => Ok(true),
-            "plain" => Ok(false),
-            _ => Err("it must be mirrored or plain"),
-        })
+        let mirror = |text: &str| named("repeats", &REPEATS, text);
+        set(&mut picture.mirror, "--repeat", &self.repeat, mirror)
     }
 
     /// Applies the options to a document.
@@ -190,16 +192,16 @@ impl PictureOptions {
             picture.colours.set(text).map_err(refuse)?;
         }
         set(&mut picture.scale, "--scale", &self.scale, Scale::from_str)?;
-        set(&mut picture.cycles, "--cycles", &self.cycles, |text| {
-            number(text).ok_or("it must be a number between 1 and 100")
-        })?;
+        let within = |range: RangeInclusive<f64>| {
+            move |text: &str| {
+                number(text).ok_or_else(|| format!("it must be a number {}", between(&range)))
+            }
+        };
+        set(&mut picture.cycles, "--cycles", &self.cycles, within(PictureTable::CYCLES))?;
         self.repeat(picture)?;
-        let share = |text: &str| number(text).ok_or("it must be a number between 0 and 1");
-        set(&mut picture.offset, "--offset", &self.offset, share)?;
-        set(&mut picture.relief, "--relief", &self.relief, share)?;
-        set(&mut picture.light, "--light", &self.light, |text| {
-            number(text).ok_or("it must be a number of degrees between -360 and 360")
-        })?;
+        set(&mut picture.offset, "--offset", &self.offset, within(PictureTable::OFFSETS))?;
+        set(&mut picture.relief, "--relief", &self.relief, within(PictureTable::RELIEFS))?;
+        set(&mut picture.light, "--light", &self.light, within(PictureTable::LIGHTS_DEG))?;
         set(&mut picture.bits, "--bits", &self.bits, |text| {
             text.parse().map_err(|_| "it must be 8 or 16")
         })?;
@@ -239,11 +241,22 @@ impl PictureOptions {
     }
 }
 
+fn palette_help() -> String {
+    let names: Vec<_> = Palette::names()
+        .map(|name| if Palette::is_cyclic(name) { format!("{name} (cyclic)") } else { name.into() })
+        .collect();
+    format!(
+        "Colour palette: {}; colours from early to late (#000000,#ff8000,#ffffff); or a gradient \
+         file (.map, .ugr, .gpl)",
+        in_a_row(&names, "or")
+    )
+}
+
 /// Value of `--samples` that takes several samples only where colours change.
 const ADAPTIVE: &str = "auto";
 
 /// Parses `--samples`; the flag is true if only pixels where colours change get several.
-fn samples_of(text: &str) -> Result<(Sampling, bool), &'static str> {
+fn samples_of(text: &str) -> Result<(Sampling, bool), String> {
     match text {
         ADAPTIVE => return Ok((Sampling::Square(PictureTable::ADAPTIVE), true)),
         Sampling::CORNERS => return Ok((Sampling::Corners, false)),
@@ -251,7 +264,10 @@ fn samples_of(text: &str) -> Result<(Sampling, bool), &'static str> {
     }
     let along = text.parse().ok().filter(|along| PictureTable::SAMPLES.contains(along));
     let square = along.map(|along| (Sampling::Square(along), false));
-    square.ok_or("it must be corners or auto, or lie between 1 and 8")
+    square.ok_or_else(|| {
+        let (least, most) = PictureTable::SAMPLES.into_inner();
+        format!("it must be corners or auto, or lie between {least} and {most}")
+    })
 }
 
 /// Returns the palette as a scene stores it: a gradient file becomes its colours.

@@ -67,7 +67,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let (config, why, following) = (chosen.config, chosen.why.clone(), chosen.following.clone());
     stop::listen()?;
     tiles::check_feasible(&scene, spec.size(), &config, options.cells)
-        .map_err(|error| Exit::Usage(error.to_string()))?;
+        .map_err(|error| Exit::usage(&error))?;
     warn_of_missing_digits(&scene, spec.size());
     if let Some(continued) = &mut continued {
         continued.check_ran(chosen.engine.as_ref(), config)?;
@@ -238,10 +238,7 @@ fn check_state(options: &Options, document: &Document, spec: &RunSpec) -> Result
 
 fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
     let picture = &document.picture;
-    picture
-        .check()
-        .and_then(|()| picture.check_size(size))
-        .map_err(|why| Exit::Usage(why.to_string()))
+    picture.check().and_then(|()| picture.check_size(size)).map_err(|why| Exit::usage(&why))
 }
 
 /// The JSON object of a run.

@@ -3,28 +3,33 @@
 use clap::{Args, ValueEnum};
 use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_engine::{EngineKind, GpuTuning, IntegratorConfig};
+use flipmap_engine::{Accuracy, EngineKind, GpuTuning, IntegratorConfig, Method, Precision};
 use flipmap_render::tiles;
-use flipmap_scene::{Document, PictureTable, RunTable, Scene};
+use flipmap_scene::{Document, PictureTable, RunTable, Scene, in_a_row};
 
 use super::exit::Exit;
 use super::options::set;
 use super::size;
+use super::suggested::Suggested;
 
 /// Options that control how a scene is computed.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Run")]
 pub(super) struct RunOptions {
-    /// Width and height of the picture in pixels, or 720p, 1080p, 1440p, 4k or 8k
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, hide_possible_values = true,
+          help = format!("Width and height of the picture in pixels, or {}", size::names()),
+          value_parser = Suggested::of(&size::NAMED))]
     pub size: Option<String>,
     /// Accuracy level: lesson (RK4 in f32 at 120 steps per second), fast (as accurate as f32
     /// allows), balanced (the default: all but one pixel in a thousand within 1 ms) or exact
     /// (every pixel checked, and marked where the checks disagree)
-    #[arg(long, value_name = "LEVEL")]
+    #[arg(long, value_name = "LEVEL", hide_possible_values = true,
+          value_parser = Suggested::of(&Accuracy::ALL))]
     accuracy: Option<String>,
-    /// Integration method instead of an accuracy level: rk4, dopri5, dop853 or taylor
-    #[arg(hide_short_help = true, long)]
+    #[arg(hide_short_help = true, long, hide_possible_values = true,
+          help = format!("Integration method instead of an accuracy level: {}",
+                         in_a_row(&Method::NAMES, "or")),
+          value_parser = Suggested(Method::NAMES.to_vec()))]
     method: Option<String>,
     /// Step of rk4 in seconds, as a number or a fraction
     #[arg(hide_short_help = true, long, value_name = "SECONDS", allow_hyphen_values = true)]
@@ -32,8 +37,10 @@ pub(super) struct RunOptions {
     /// Error tolerance per step of the other methods
     #[arg(hide_short_help = true, long, allow_hyphen_values = true)]
     tolerance: Option<String>,
-    /// Precision of the arithmetic: f32, df32, f64 or dd
-    #[arg(hide_short_help = true, long)]
+    #[arg(hide_short_help = true, long, hide_possible_values = true,
+          help = format!("Precision of the arithmetic: {}",
+                         in_a_row(&Precision::ALL.map(|(name, _)| name), "or")),
+          value_parser = Suggested::of(&Precision::ALL))]
     precision: Option<String>,
     /// Check every pixel, whatever the accuracy level
     #[arg(long)]
@@ -158,7 +165,7 @@ impl RunOptions {
             return Err(Exit::Usage(format!("--size is '{text}'; {}", range_of_size())));
         }
         let words = RunTable { size: Some(size), ..document.run.overlaid(self.words()) };
-        let spec = RunSpec::resolve(words).map_err(|error| Exit::Usage(error.to_string()))?;
+        let spec = RunSpec::resolve(words).map_err(|error| Exit::usage(&error))?;
         document.run = spec.table.clone();
         Ok(spec)
     }
@@ -187,7 +194,7 @@ pub(super) fn prefer_engine(
 
 /// Rejects a configuration that needs too many steps for the budget.
 pub(super) fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(), Exit> {
-    tiles::check_steps(scene, &config).map_err(|error| Exit::Usage(error.to_string()))
+    tiles::check_steps(scene, &config).map_err(|error| Exit::usage(&error))
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
@@ -195,13 +202,16 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 }
 
 fn range_of_size() -> String {
-    format!("it must be {}, each side between 1 and 1000000 pixels", size::WAYS)
+    format!(
+        "it must be {}, each side between 1 and {} pixels",
+        size::ways(),
+        PictureTable::MAX_SIDE
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_engine::{Accuracy, Precision};
 
     #[test]
     fn a_picture_remembers_how_it_was_made() {

@@ -1,7 +1,9 @@
 //! Sizes of pictures in words: two side lengths, or the name of a screen.
 
+use flipmap_scene::in_a_row;
+
 /// Sizes with names, in pixels.
-const NAMED: [(&str, [u32; 2]); 6] = [
+pub(super) const NAMED: [(&str, [u32; 2]); 6] = [
     ("720p", [1280, 720]),
     ("1080p", [1920, 1080]),
     ("1440p", [2560, 1440]),
@@ -10,8 +12,15 @@ const NAMED: [(&str, [u32; 2]); 6] = [
     ("8k", [7680, 4320]),
 ];
 
-/// The accepted forms of a size, for messages.
-pub(super) const WAYS: &str = "WIDTHxHEIGHT, or 720p, 1080p, 1440p, 4k or 8k";
+/// Returns the names of sizes as alternatives.
+pub(super) fn names() -> String {
+    in_a_row(&NAMED.map(|(name, _)| name), "or")
+}
+
+/// Returns the accepted forms of a size, for messages.
+pub(super) fn ways() -> String {
+    format!("WIDTHxHEIGHT, or {}", names())
+}
 
 /// Parses two side lengths with an x between them, or the name of a screen's size.
 pub(super) fn parse(text: &str) -> Option<[u32; 2]> {

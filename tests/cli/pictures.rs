@@ -71,7 +71,7 @@ fn sixteen_bits_a_channel_have_colours_between_those_of_eight() {
     for name in ["map.jpg", "map.webp"] {
         let output = render(&folder, &["-o", name, "--bits", "16"]);
         let ending = &name[3..];
-        let words = format!("{ending} has no 16 bits (--bits): name a .png or a .tiff");
+        let words = format!("{ending} has no 16 bits a channel: name a .png or a .tiff");
         assert!(error_of(&output).contains(&words), "{}", error_of(&output));
         assert!(!at(name).exists());
     }

@@ -161,7 +161,7 @@ fn what_cannot_go_on_is_refused_by_what_differs() {
     object(&render(&folder, &[&cpu[..], &["--budget", "5"]].concat()));
     let kept = fs::read(folder.path().join("s")).unwrap();
     for (arguments, words) in [
-        (&["--budget", "4"][..], &["5 s already", "--budget"][..]),
+        (&["--budget", "4"][..], &["5 s already", "the budget must be at least that"][..]),
         (&["--budget", "9", "--gravity", "5"], &["another pendulum"]),
         (&["--budget", "9", "--rule", "first"], &["another rule", "second", "first"]),
         (&["--budget", "9", "--ask", "first"], &["another question", "flip", "first"]),

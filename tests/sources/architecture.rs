@@ -35,8 +35,7 @@ fn options_in(text: &str) -> Vec<&str> {
     lines.filter(spells).collect()
 }
 
-/// Outside the command line, messages name a setting in backquotes; `cli/option_names.rs` replaces
-/// it.
+/// Outside the command line, errors call a setting by its name; `cli/exit.rs` calls it by its option.
 #[test]
 fn options_are_spelt_in_the_command_line_alone() {
     assert_eq!(

@@ -7,7 +7,7 @@ use super::depth::{DepthEngine, Following};
 use super::profile::{Profile, ProfileRow};
 use super::threads::threads_beside;
 use super::{Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, WantedEnds};
-use flipmap_scene::QuestionSettings;
+use flipmap_scene::{QuestionSettings, SceneError};
 
 /// A user's request for an engine.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,13 +115,8 @@ pub enum ChoiceError {
     #[error("{0}")]
     NoAdapter(String),
     /// The requested adapter is not present.
-    #[error("`adapter` '{wanted}' matches none of: {found}")]
-    UnknownAdapter {
-        /// Part of an adapter's name, as requested.
-        wanted: String,
-        /// Names of the adapters that are present.
-        found: String,
-    },
+    #[error("{0}")]
+    UnknownAdapter(#[source] SceneError),
     /// An engine could not be started.
     #[error(transparent)]
     Engine(#[from] EngineError),
@@ -146,7 +141,7 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
     let chosen = match (request.kind, &request.adapter) {
         (Some(EngineKind::Cpu), _) => cpu(request, "asked for".to_string())?,
         (Some(EngineKind::Gpu), _) | (None, Some(_)) => first_trusted(request)?
-            .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use `engine` cpu")))?,
+            .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use the engine cpu")))?,
         (None, None) => automatic(request, tell)?,
     };
     let engine = DepthEngine::new(chosen.engine, threads_beside(request.threads))?

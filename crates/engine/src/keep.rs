@@ -41,7 +41,7 @@ impl Keep {
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
         if self.states && self.ends.are_carried() && config.precision == Precision::Dd {
             // Carried quantities are kept in f64.
-            let why = "growth and returns in dd cannot be continued: omit `state`";
+            let why = "growth and returns in dd cannot be continued: keep no state";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         self.ends.check(config)
@@ -62,7 +62,7 @@ impl WantedEnds {
             "returns are not computed by midpoint rules"
         } else if self == WantedEnds::Growth && is_eighth && config.precision == Precision::Df32 {
             // Its kernel takes more than ten minutes to compile.
-            "growth in df32 is computed by `method` dopri5"
+            "growth in df32 is computed by the method dopri5"
         } else {
             return Ok(());
         };

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use flipmap_scene::named;
 use serde::{Deserialize, Serialize};
 
 use super::{IntegratorConfig, Method, Precision};
@@ -88,9 +89,7 @@ impl fmt::Display for Accuracy {
 impl FromStr for Accuracy {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL.iter().find(|(word, _)| *word == text).map(|(_, level)| *level).ok_or_else(|| {
-            format!("unknown accuracy '{text}'; the levels are lesson, fast, balanced, exact")
-        })
+        named("levels", &Self::ALL, text)
     }
 }
 

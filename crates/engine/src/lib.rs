@@ -66,7 +66,7 @@ use std::time::Instant;
 use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
-use flipmap_scene::{PendulumSpec, Scene};
+use flipmap_scene::{PendulumSpec, Scene, SceneError};
 use pace::{Adaptive, Pace};
 
 pub(crate) use adapters::GpuStats;
@@ -269,7 +269,7 @@ impl Wait {
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
     /// A buffer could not be allocated.
-    #[error("the device has no room for {mib} MiB more; use a smaller `size`, or `engine` cpu")]
+    #[error("the device has no room for {mib} MiB more; use a smaller size, or the engine cpu")]
     OutOfMemory {
         /// Size of the buffer in MiB.
         mib: u64,
@@ -284,6 +284,9 @@ pub enum EngineError {
         /// The adapter's limit.
         allowed: u64,
     },
+    /// A setting whose value cannot be used.
+    #[error("{0}")]
+    Setting(#[from] SceneError),
     /// The configuration is not available on this engine or adapter.
     #[error("{0}")]
     Unsupported(String),
@@ -293,7 +296,7 @@ pub enum EngineError {
     /// A device finished a job without finishing all its pendulums.
     #[error(
         "the graphics device lost {lost} of {count} pendulums of a job; its answers cannot be \
-         trusted; use `engine` cpu"
+         trusted; use the engine cpu"
     )]
     LostPendulums {
         /// Number of pendulums without an answer.

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use flipmap_scene::named;
+
 use super::IntegratorConfig;
 use flipmap_pendulum::{extrapolation, series};
 
@@ -45,7 +47,7 @@ impl Method {
     pub const LESSON: Method = Method::Rk4 { step_secs: 1.0 / 120.0 };
 
     /// Names of the methods that users can ask for.
-    pub(crate) const NAMES: [&str; 4] = ["rk4", "dopri5", "dop853", "taylor"];
+    pub const NAMES: [&str; 4] = ["rk4", "dopri5", "dop853", "taylor"];
 
     /// Name of the method.
     pub fn name(self) -> &'static str {
@@ -161,7 +163,7 @@ pub enum Precision {
 
 impl Precision {
     /// Every precision with its name.
-    pub(crate) const ALL: [(&'static str, Precision); 4] = [
+    pub const ALL: [(&'static str, Precision); 4] = [
         ("f32", Precision::F32),
         ("df32", Precision::Df32),
         ("f64", Precision::F64),
@@ -189,13 +191,7 @@ impl fmt::Display for Precision {
 impl FromStr for Precision {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .iter()
-            .find(|(word, _)| *word == text)
-            .map(|(_, precision)| *precision)
-            .ok_or_else(|| {
-                format!("unknown precision '{text}'; the precisions are f32, df32, f64, dd")
-            })
+        named("precisions", &Self::ALL, text)
     }
 }
 

@@ -167,7 +167,7 @@ impl Steps {
         if count > f64::from(MAX_STEPS) {
             return Err(EngineError::Unsupported(format!(
                 "a budget of {} s is {count:.1e} steps of {step_secs} s; at most {MAX_STEPS} \
-                 are possible, so use a longer `step` or a shorter `budget`",
+                 are possible, so use a longer step or a shorter budget",
                 question.budget_secs
             )));
         }
@@ -236,6 +236,6 @@ mod tests {
     #[test]
     fn too_many_steps_are_refused() {
         let error = Steps::new(&question(1e9), 1e-6, Precision::F64).unwrap_err();
-        assert!(error.to_string().contains("`step`"), "{error}");
+        assert!(error.to_string().contains("a longer step"), "{error}");
     }
 }

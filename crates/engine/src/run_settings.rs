@@ -2,17 +2,12 @@
 //! picture, of a window or of a plan become one typed [`RunSpec`]. The second stage is the choice
 //! of an engine and of an integrator config for it (`choice.rs`).
 
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use super::choice::IntegrationSetting;
 use super::{Accuracy, IntegratorConfig, Method, Precision};
-use flipmap_scene::RunTable;
-
-/// The error for words that contradict each other or mean nothing: a sentence that names the
-/// setting.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0}")]
-pub struct RunSettingsError(String);
+use flipmap_scene::{RunTable, SceneError, between, not_among};
 
 /// The resolved settings of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,14 +40,14 @@ impl RunSpec {
     }
 
     /// Resolves the words of a run table to settings.
-    pub fn resolve(words: RunTable) -> Result<Self, RunSettingsError> {
+    pub fn resolve(words: RunTable) -> Result<Self, SceneError> {
         let (setting, table) = resolve(words)?;
         let by_level = matches!(setting, IntegrationSetting::Accuracy(level) if level.verifies());
         Ok(RunSpec { setting, verify: table.verify || by_level, table })
     }
 }
 
-fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), RunSettingsError> {
+fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), SceneError> {
     let mut accuracy = Accuracy::default();
     set(&mut accuracy, "accuracy", &words.accuracy, Accuracy::from_str)?;
     let (verify, size) = (words.verify, words.size);
@@ -96,7 +91,7 @@ pub fn from_config(config: IntegratorConfig) -> RunTable {
     }
 }
 
-fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, RunSettingsError> {
+fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, SceneError> {
     let level = accuracy.configs()[0];
     let mut precision = match (&words.method, &words.step) {
         (Some(method), _) => Method::home_precision(method),
@@ -114,16 +109,14 @@ fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, RunS
         (None, None) => Method::home_method(precision),
     };
     let Some(mut method) = Method::named(name, precision) else {
-        let names = Method::NAMES.join(", ");
-        return Err(RunSettingsError(format!("`method` is '{name}'; the methods are {names}")));
+        let allowed = not_among("methods", &Method::NAMES, name);
+        return Err(SceneError::new("method", format!("'{name}'"), allowed));
     };
     let Some(least) = method.least_tolerance(precision) else {
         let fitting = Precision::ALL.iter().filter(|(_, p)| method.least_tolerance(*p).is_some());
         let fitting: Vec<&str> = fitting.map(|(word, _)| *word).collect();
-        return Err(RunSettingsError(format!(
-            "`precision` is '{precision}'; `method` {name} runs in {}",
-            fitting.join(", ")
-        )));
+        let allowed = format!("the method {name} runs in {}", fitting.join(", "));
+        return Err(SceneError::new("precision", format!("'{precision}'"), allowed));
     };
     if let Some(step) = &words.step {
         method = with_step(method, step)?;
@@ -134,12 +127,14 @@ fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, RunS
     Ok(IntegratorConfig { method, precision })
 }
 
-fn with_step(method: Method, step: &str) -> Result<Method, RunSettingsError> {
+/// Range of the step of rk4 in s.
+const STEPS_SECS: RangeInclusive<f64> = 1e-9..=1.0;
+
+fn with_step(method: Method, step: &str) -> Result<Method, SceneError> {
+    let refuse = |allowed: String| SceneError::new("step", format!("'{step}'"), allowed);
     let Method::Rk4 { .. } = method else {
-        return Err(RunSettingsError(format!(
-            "`step` is for rk4; {} chooses its steps by `tolerance`",
-            method.name()
-        )));
+        let name = method.name();
+        return Err(refuse(format!("it is for rk4; {name} chooses its steps by a tolerance")));
     };
     let step_secs = match step.split_once('/') {
         Some((above, below)) => {
@@ -148,9 +143,10 @@ fn with_step(method: Method, step: &str) -> Result<Method, RunSettingsError> {
         None => number(step),
     };
     match step_secs {
-        Some(step_secs) if (1e-9..=1.0).contains(&step_secs) => Ok(Method::Rk4 { step_secs }),
-        _ => Err(RunSettingsError(format!(
-            "`step` is '{step}'; it must be seconds between 1e-9 and 1, as a number or a fraction"
+        Some(step_secs) if STEPS_SECS.contains(&step_secs) => Ok(Method::Rk4 { step_secs }),
+        _ => Err(refuse(format!(
+            "it must be seconds {}, as a number or a fraction",
+            between(&STEPS_SECS)
         ))),
     }
 }
@@ -163,35 +159,31 @@ fn with_tolerance(
     text: &str,
     precision: Precision,
     least: f64,
-) -> Result<Method, RunSettingsError> {
+) -> Result<Method, SceneError> {
+    let refuse = |allowed: &str| SceneError::new("tolerance", format!("'{text}'"), allowed);
     let Some(tolerant) = number(text).and_then(|tolerance| method.with_tolerance(tolerance)) else {
-        return Err(RunSettingsError(match method {
-            Method::Rk4 { .. } => "`tolerance` is for methods that choose their steps; rk4 takes \
-                                   `step`"
-                .to_string(),
-            _ => format!("`tolerance` is '{text}'; it must be a number"),
+        return Err(refuse(match method {
+            Method::Rk4 { .. } => "it is for methods that choose their steps; rk4 takes a step",
+            _ => "it must be a number",
         }));
     };
     let within = |tolerance: f64| (least..=MAX_TOLERANCE).contains(&tolerance);
     if tolerant.tolerance().is_some_and(within) {
         return Ok(tolerant);
     }
-    Err(RunSettingsError(format!(
-        "`tolerance` is '{text}'; in {precision} it must lie between {least:e} and \
-         {MAX_TOLERANCE:e}"
-    )))
+    Err(refuse(&format!("in {precision} it must lie between {least:e} and {MAX_TOLERANCE:e}")))
 }
 
 /// Replaces `value` by the parsed word, if there is one; an error names the setting.
 fn set<T, Why: std::fmt::Display>(
     value: &mut T,
-    setting: &str,
+    setting: &'static str,
     word: &Option<String>,
     parse: impl Fn(&str) -> Result<T, Why>,
-) -> Result<(), RunSettingsError> {
+) -> Result<(), SceneError> {
     if let Some(word) = word {
-        *value = parse(word)
-            .map_err(|why| RunSettingsError(format!("`{setting}` is '{word}'; {why}")))?;
+        let refuse = |why: Why| SceneError::new(setting, format!("'{word}'"), why.to_string());
+        *value = parse(word).map_err(refuse)?;
     }
     Ok(())
 }
@@ -269,8 +261,8 @@ mod tests {
     #[test]
     fn what_does_not_go_together_is_refused_with_what_does() {
         for (words, parts) in [
-            (&[("method", "dop853"), ("step", "0.01")][..], &["`step`", "`tolerance`"][..]),
-            (&[("method", "rk4"), ("tolerance", "1e-9")], &["`tolerance`", "`step`"]),
+            (&[("method", "dop853"), ("step", "0.01")][..], &["`step`", "a tolerance"][..]),
+            (&[("method", "rk4"), ("tolerance", "1e-9")], &["`tolerance`", "a step"]),
             (&[("tolerance", "1e-17")], &["`tolerance`", "f64", "1e-15", "1e-2"]),
             (&[("tolerance", "1e-9"), ("precision", "f32")], &["1e-8"]),
             (&[("tolerance", "one")], &["number"]),

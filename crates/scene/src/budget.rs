@@ -38,6 +38,9 @@ const MAX_SETTLED_BUDGETS: usize = 64;
 static SETTLED: Mutex<VecDeque<(PendulumSpec, View, f64)>> = Mutex::new(VecDeque::new());
 
 impl Budget {
+    /// Range of a budget in s.
+    pub const SECS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
+
     /// Returns a fixed budget of `secs` seconds.
     pub const fn secs(secs: f64) -> Self {
         Budget { secs, auto: false }

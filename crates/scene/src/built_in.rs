@@ -4,6 +4,7 @@
 use flipmap_assets::SCENES;
 
 use super::Document;
+use super::allowed::closest;
 
 /// A scene of `assets/scenes`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,9 +26,6 @@ pub const BUILT_IN: [BuiltIn; SCENES.len()] = {
     all
 };
 
-/// Jaro–Winkler similarity above which a name counts as a mistyped name of a scene.
-const MIN_LIKENESS: f64 = 0.8;
-
 impl BuiltIn {
     /// Finds the scene called `name`.
     pub fn named(name: &str) -> Option<Self> {
@@ -41,9 +39,7 @@ impl BuiltIn {
 
     /// Returns the scene whose name is most similar to a mistyped one, if any is similar enough.
     pub fn like(name: &str) -> Option<Self> {
-        let likeness = |scene: &BuiltIn| strsim::jaro_winkler(scene.name, &name.to_lowercase());
-        let all = BUILT_IN.into_iter().filter(|scene| likeness(scene) > MIN_LIKENESS);
-        all.max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
+        closest(BUILT_IN.iter().map(|scene| scene.name), name).and_then(Self::named)
     }
 
     /// Returns the names of all built-in scenes, separated by commas.

@@ -113,7 +113,7 @@ pub enum DocumentError {
         found: String,
     },
     /// A number out of range.
-    #[error(transparent)]
+    #[error("{0}")]
     Scene(#[from] SceneError),
 }
 
@@ -185,7 +185,7 @@ pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
 }
 
 /// Formats a TOML error as one sentence with its line and column. Keys and values of the file get
-/// plain quotes, because the command line turns words in backquotes into the names of its options.
+/// plain quotes, because words in backquotes are names of settings.
 pub fn one_line(error: &toml::de::Error, text: &str) -> String {
     let message = error.message().replace('\n', ", ").replace('`', "'");
     let Some(span) = error.span() else {

@@ -4,8 +4,11 @@
 //! one point of the plane stays where it is on the screen: a zoom has the same visible speed at
 //! every depth. The stretch also changes by equal ratios, and everything else linearly.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 
+use super::allowed::between;
 use super::exact_length::exactly;
 use super::keys::Key;
 use super::{Axis, Budget, PendulumSpec, Plane, QuestionSettings, Scene, SceneError, View};
@@ -54,8 +57,8 @@ pub enum FilmError {
     /// Too few keys: the camera has nowhere to go.
     #[error("a film needs two keys or more, and this one has {0}")]
     Few(usize),
-    /// A setting that films do not support.
-    #[error(transparent)]
+    /// A setting that films do not support, or a number out of range.
+    #[error("{0}")]
     Scene(#[from] SceneError),
     /// A change of a property that cannot change gradually.
     #[error("key {number} has another {what} than the first; in a film it stays the same")]
@@ -67,8 +70,8 @@ pub enum FilmError {
     },
     /// A clock in a film that does not show first flips from rest.
     #[error(
-        "key {number} has a clock, which lights up first flips from rest; other answers change with \
-         `vary` at, budget, energy, friction, gravity, masses or lengths"
+        "key {number} has a clock, which lights up first flips from rest; for other answers, vary \
+         at, budget, energy, friction, gravity, masses or lengths"
     )]
     Timeless {
         /// Number of the key, from 1.
@@ -84,29 +87,6 @@ pub enum FilmError {
         /// Verb for the first key: `has` or `lacks`.
         first: &'static str,
     },
-    /// A frame with more samples than fit in memory while the film is planned.
-    #[error(
-        "`size` {}x{} with `samples` {samples} is too much for a film: at most 500 million samples \
-         fit in a frame", .size[0], .size[1]
-    )]
-    Large {
-        /// Width and height in pixels.
-        size: [u32; 2],
-        /// Samples along each side of a pixel.
-        samples: u32,
-    },
-    /// A number out of range.
-    #[error("`{setting}` is {value}; it must lie between {least} and {most}")]
-    Range {
-        /// The name of the setting.
-        setting: &'static str,
-        /// The given value.
-        value: f64,
-        /// The least value that can be used.
-        least: f64,
-        /// The greatest value that can be used.
-        most: f64,
-    },
 }
 
 /// Largest number of samples in a frame.
@@ -116,20 +96,28 @@ impl Film {
     /// Largest number of frames: nearly an hour at 30 frames per second. More take too long to
     /// plan.
     pub const MAX_FRAMES: u32 = 100_000;
+    /// Range of the frames per second.
+    pub const FPS: RangeInclusive<f64> = 0.1..=1000.0;
 
     /// Refuses keys that do not make a film. Each key must have been checked by itself before.
     pub fn check(&self) -> Result<(), FilmError> {
-        let range = |setting, value: f64, least: f64, most: f64| {
-            let fine = (least..=most).contains(&value);
-            if fine { Ok(()) } else { Err(FilmError::Range { setting, value, least, most }) }
+        let within = |setting, value: f64, range: RangeInclusive<f64>| {
+            let allowed = format!("it must lie {}", between(&range));
+            let error = || SceneError::new(setting, value.to_string(), allowed);
+            if range.contains(&value) { Ok(()) } else { Err(error()) }
         };
-        range("frames", f64::from(self.frames), 2.0, f64::from(Self::MAX_FRAMES))?;
-        range("fps", self.fps, 0.1, 1000.0)?;
+        within("frames", f64::from(self.frames), 2.0..=f64::from(Self::MAX_FRAMES))?;
+        within("fps", self.fps, Self::FPS)?;
         let [first, _, ..] = &self.keys[..] else { return Err(FilmError::Few(self.keys.len())) };
         let (size, samples) = (self.size, first.scene.picture.samples.along());
         let [width, height] = size.map(|side| u64::from(side) * u64::from(samples));
         if width * height > MAX_SAMPLES {
-            return Err(FilmError::Large { size, samples });
+            let value = format!("{}x{} with samples {samples}", size[0], size[1]);
+            let allowed = format!(
+                "that is too much for a film: at most {} million samples fit in a frame",
+                MAX_SAMPLES / 1_000_000
+            );
+            return Err(SceneError::new("size", value, allowed).into());
         }
         let is_of_flips = self.kind() == FilmKind::Flips;
         for (key, number) in self.keys.iter().zip(1..) {
@@ -155,7 +143,7 @@ impl Film {
                 let has = |key: &Key| if key.clock.is_some() { "has" } else { "lacks" };
                 return Err(FilmError::Clock { number, has: has(key), first: has(first) });
             }
-            range("clock", key.clock.unwrap_or(0.0), 0.0, 1e6)?;
+            within("clock", key.clock.unwrap_or(0.0), 0.0..=*Budget::SECS.end())?;
         }
         Ok(())
     }

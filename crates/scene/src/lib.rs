@@ -16,6 +16,7 @@
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
+mod allowed;
 mod angle_text;
 mod budget;
 mod built_in;
@@ -34,11 +35,13 @@ mod plane;
 pub mod question;
 mod question_table;
 mod scene_error;
+mod settings;
 mod turn;
 mod upright;
 mod view;
 mod words;
 
+pub use allowed::{between, in_a_row, named, not_among};
 pub use angle_text::in_rad;
 pub use budget::Budget;
 pub use built_in::{BUILT_IN, BuiltIn};
@@ -50,10 +53,12 @@ pub use picture::{PictureTable, Sampling, Scale, Shown};
 pub use plane::{Axis, Plane, PlaneKind};
 pub use question_table::QuestionSettings;
 pub use scene_error::SceneError;
+pub use settings::{Setting, SettingDef};
 pub use turn::Turn;
 pub use upright::SeparableGrid;
 pub use view::{MIN_WIDTH, View};
-pub use words::Setting;
+
+use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
@@ -109,6 +114,32 @@ impl Default for PendulumSpec {
 }
 
 impl PendulumSpec {
+    /// Range of a mass in kg.
+    pub const MASSES_KG: RangeInclusive<f64> = 1e-9..=1e9;
+    /// Range of a length in m.
+    pub const LENGTHS_M: RangeInclusive<f64> = 1e-9..=1e9;
+    /// Range of gravity in m/s²; it can also be 0.
+    pub const GRAVITIES: RangeInclusive<f64> = 1e-9..=1e9;
+    /// Range of the friction at a pivot in N m s.
+    pub const FRICTIONS: RangeInclusive<f64> = 0.0..=1e9;
+
+    /// Checks every number.
+    fn check(&self) -> Result<(), SceneError> {
+        let pairs = [
+            (Setting::Masses, self.masses, Self::MASSES_KG),
+            (Setting::Lengths, self.lengths, Self::LENGTHS_M),
+            (Setting::Friction, self.friction, Self::FRICTIONS),
+        ];
+        for (setting, pair, range) in pairs {
+            for number in pair {
+                setting.require(range.contains(&number.value()), &format!("{number:?}"))?;
+            }
+        }
+        let gravity = self.gravity.value();
+        let is_fine = gravity == 0.0 || Self::GRAVITIES.contains(&gravity);
+        Setting::Gravity.require(is_fine, &format!("{:?}", self.gravity))
+    }
+
     /// Returns a frictionless pendulum with masses in kg, lengths in m and gravity in m/s².
     pub fn new(kind: Kind, masses: [f64; 2], lengths: [f64; 2], gravity: f64) -> Self {
         let [masses, lengths] = [masses, lengths].map(|pair| pair.map(Decimal::from));
@@ -200,35 +231,21 @@ impl Scene {
     /// Checks every number, so that no later code needs to, and guesses an automatic budget;
     /// [`Scene::settled`] computes it.
     pub fn checked(mut self) -> Result<Self, SceneError> {
-        const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
-        let refuse = |setting, value: &dyn std::fmt::Debug, range: &'static str| {
-            Err(SceneError::new(setting, format!("{value:?}"), range))
-        };
-        let PendulumSpec { masses, lengths, gravity, .. } = self.build;
-        if let Some(mass) = masses.iter().find(|m| !WIDE.contains(&m.value())) {
-            return refuse("masses", mass, "each mass must lie between 1e-9 and 1e9 kg");
-        }
-        if let Some(length) = lengths.iter().find(|l| !WIDE.contains(&l.value())) {
-            return refuse("lengths", length, "each length must lie between 1e-9 and 1e9 m");
-        }
-        if let Some(b) = self.build.friction.iter().find(|b| !(0.0..=1e9).contains(&b.value())) {
-            return refuse("friction", b, "each must lie between 0 and 1e9 N m s");
-        }
-        if !(gravity == 0.0 || WIDE.contains(&gravity.value())) {
-            return refuse("gravity", &gravity, "it must be 0 or lie between 1e-9 and 1e9 m/s²");
-        }
+        self.build.check()?;
         self.view.check(self.plane.axes())?;
         self.question.budget = self.question.budget.guessed(&self.build, &self.view);
         let budget = self.question.budget.secs;
-        if !(1e-9..=1e6).contains(&budget) {
-            return refuse("budget", &budget, "it must lie between 1e-9 and 1e6 s, or be auto");
-        }
+        Setting::Budget.require(Budget::SECS.contains(&budget), &format!("{budget:?}"))?;
         self.question.check()?;
         self.plane.check(&self.build)?;
-        if gravity == 0.0 && !self.is_flip_from_rest() {
-            let range = "for this question and plane it must lie between 1e-9 and 1e9 m/s²; without \
-                         gravity only flips from rest are answered";
-            return refuse("gravity", &gravity, range);
+        if self.build.gravity == 0.0 && !self.is_flip_from_rest() {
+            let allowed = format!(
+                "for this question and plane it must lie {} m/s²; without gravity only flips from \
+                 rest are answered",
+                between(&PendulumSpec::GRAVITIES)
+            );
+            let value = format!("{:?}", self.build.gravity);
+            return Err(SceneError::new(Setting::Gravity.name(), value, allowed));
         }
         Ok(self)
     }

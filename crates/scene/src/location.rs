@@ -4,8 +4,9 @@
 //! The words are those of the command line. Centre and width are always present, the other words
 //! only where they differ from the defaults.
 
-use super::words::{Setting, set_all};
-use super::{Scene, SceneError};
+use super::allowed::did_you_mean;
+use super::words::set_all;
+use super::{Scene, SceneError, Setting};
 
 /// Prefix of every location.
 const PREFIX: &str = "flipmap:";
@@ -23,18 +24,20 @@ pub enum LocationError {
     #[error("the location has '{0}' where a word, '=' and a value should be")]
     NoWord(String),
     /// A word that no scene has.
-    #[error("the location has the unknown word '{word}'; the words are {known}")]
+    #[error("the location has the unknown word '{word}'; the words are {known}{meant}")]
     Unknown {
         /// The word.
         word: String,
         /// The words that exist, separated by commas.
         known: String,
+        /// A question after the word that may be meant; empty if none is similar.
+        meant: String,
     },
     /// A word that appears twice.
     #[error("the location says {0} twice; leave one of them out")]
     Twice(&'static str),
     /// A value that cannot be used.
-    #[error("the location's {} is {}; {}", .0.setting, .0.value, .0.range)]
+    #[error("{}", .0.called(&format_args!("the location's {}", .0.setting)))]
     Scene(#[from] SceneError),
 }
 
@@ -42,10 +45,10 @@ pub enum LocationError {
 pub fn text(scene: &Scene) -> String {
     let home = Scene::default();
     let mut parts = Vec::new();
-    for (setting, word) in Setting::ALL {
-        let text = word.text(scene);
-        if matches!(word, Setting::Center | Setting::Width) || text != word.text(&home) {
-            parts.push(format!("{setting}={text}"));
+    for setting in Setting::all() {
+        let text = setting.text(scene);
+        if matches!(setting, Setting::Center | Setting::Width) || text != setting.text(&home) {
+            parts.push(format!("{}={text}", setting.name()));
         }
     }
     format!("{PREFIX}{}", parts.join(";"))
@@ -62,7 +65,7 @@ pub fn parse(text: &str) -> Result<Scene, LocationError> {
             part.split_once('=').ok_or_else(|| LocationError::NoWord(part.to_string()))?;
         let word = known(key.trim())?;
         if said.iter().any(|(other, _)| *other == word) {
-            return Err(LocationError::Twice(word.setting()));
+            return Err(LocationError::Twice(word.name()));
         }
         said.push((word, value.trim()));
     }
@@ -71,10 +74,10 @@ pub fn parse(text: &str) -> Result<Scene, LocationError> {
 }
 
 fn known(key: &str) -> Result<Setting, LocationError> {
-    let found = Setting::ALL.iter().find(|(setting, _)| *setting == key);
-    found.map(|(_, word)| *word).ok_or_else(|| LocationError::Unknown {
-        word: key.to_string(),
-        known: Setting::ALL.map(|(setting, _)| setting).join(", "),
+    Setting::named(key).ok_or_else(|| {
+        let names: Vec<&str> = Setting::all().map(Setting::name).collect();
+        let meant = did_you_mean(&names, key);
+        LocationError::Unknown { word: key.to_string(), known: names.join(", "), meant }
     })
 }
 

@@ -7,6 +7,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::SceneError;
+use super::allowed::{between, named};
 use super::palette::{Ground, GroundTable, Palette, rise};
 use crate::question::{ChannelScale, Painted, QuestionName};
 pub use sampling::Sampling;
@@ -125,15 +126,14 @@ pub enum Scale {
 
 impl Scale {
     /// Every scale with its name.
-    pub(crate) const ALL: [(&'static str, Scale); 3] =
+    pub const ALL: [(&'static str, Scale); 3] =
         [("log", Scale::Log), ("linear", Scale::Linear), ("steps", Scale::Steps)];
 }
 
 impl FromStr for Scale {
-    type Err = &'static str;
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let known = Self::ALL.iter().find(|(word, _)| *word == text);
-        known.map(|(_, scale)| *scale).ok_or("it must be log, linear or steps")
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        named("scales", &Self::ALL, text)
     }
 }
 
@@ -171,7 +171,7 @@ impl PictureTable {
     /// Range of the strength of the light from the side.
     pub const RELIEFS: std::ops::RangeInclusive<f64> = 0.0..=1.0;
     /// Range of the direction to the light from the side, in degrees.
-    pub(crate) const LIGHTS_DEG: std::ops::RangeInclusive<f64> = -360.0..=360.0;
+    pub const LIGHTS_DEG: std::ops::RangeInclusive<f64> = -360.0..=360.0;
     /// Range of the times that colours can stand for, s.
     pub const SECS: std::ops::RangeInclusive<f64> = 1e-9..=1e6;
     /// Largest number of entries in `times`.
@@ -185,21 +185,22 @@ impl PictureTable {
     /// Checks that a picture of this size can be painted with these settings.
     pub fn check_size(&self, size: [u32; 2]) -> Result<(), SceneError> {
         let value = format!("{}x{}", size[0], size[1]);
-        let refuse =
-            |value: String, range: &'static str| Err(SceneError::new("size", value, range));
+        let refuse = |value: String, allowed: String| Err(SceneError::new("size", value, allowed));
         if !size.iter().all(|side| (1..=Self::MAX_SIDE).contains(side)) {
-            return refuse(value, "both sides must lie between 1 and 1000000 pixels");
+            let most = Self::MAX_SIDE;
+            return refuse(value, format!("both sides must lie between 1 and {most} pixels"));
         }
         if size[0] * self.samples.along() > Self::MAX_ROW {
-            let value = format!("{value} with `samples` {}", self.samples);
-            return refuse(value, "at most 1048576 samples fit in a row");
+            let value = format!("{value} with samples {}", self.samples);
+            return refuse(value, format!("at most {} samples fit in a row", Self::MAX_ROW));
         }
         if self.adaptive && self.samples.along() > 1 && !Self::fits_adaptive(size) {
-            let value = format!("{value} with `samples` auto");
-            return refuse(
-                value,
-                "at most 33554432 pixels are sampled adaptively; `samples` 3 has no such limit",
+            let allowed = format!(
+                "at most {} pixels are sampled adaptively; samples {} has no such limit",
+                Self::MAX_ADAPTIVE_PIXELS,
+                Self::ADAPTIVE
             );
+            return refuse(format!("{value} with samples auto"), allowed);
         }
         Ok(())
     }
@@ -232,7 +233,8 @@ impl PictureTable {
         if let Some((_, tint)) = ask.kind().tint.filter(|(tint, _)| tint == name) {
             return Ok(Shown::Tint(tint));
         }
-        let refused = || SceneError::new("channel", format!("'{name}'"), ask.kind().channel_names);
+        let allowed = || ask.kind().has_no_channel(name);
+        let refused = || SceneError::new("channel", format!("'{name}'"), allowed());
         ask.channel(name).map(Shown::Channel).ok_or_else(refused)
     }
 
@@ -250,33 +252,35 @@ impl PictureTable {
     /// Checks that every setting can be used.
     pub fn check(&self) -> Result<(), SceneError> {
         Ground::of(self)?;
-        let refuse = |setting, value: String, range: &'static str| {
-            Err(SceneError::new(setting, value, range))
-        };
+        let refuse =
+            |setting, value: String, allowed: &str| Err(SceneError::new(setting, value, allowed));
         if !Self::SAMPLES.contains(&self.samples.along()) {
-            let range = "it must be corners or lie between 1 and 8";
-            return refuse("samples", self.samples.to_string(), range);
-        }
-        if !Self::CYCLES.contains(&self.cycles) {
-            return refuse("cycles", self.cycles.to_string(), "it must lie between 1 and 100");
+            let (least, most) = Self::SAMPLES.into_inner();
+            let allowed = format!("it must be corners or lie between {least} and {most}");
+            return refuse("samples", self.samples.to_string(), &allowed);
         }
         if !matches!(self.bits, 8 | 16) {
             return refuse("bits", self.bits.to_string(), "it must be 8 or 16");
         }
-        for (setting, value, range, words) in [
-            ("offset", self.offset, Self::OFFSETS, "it must lie between 0 and 1"),
-            ("relief", self.relief, Self::RELIEFS, "it must lie between 0 and 1"),
-            ("light", self.light, Self::LIGHTS_DEG, "it must lie between -360 and 360 degrees"),
+        for (setting, value, range, unit) in [
+            ("cycles", self.cycles, Self::CYCLES, ""),
+            ("offset", self.offset, Self::OFFSETS, ""),
+            ("relief", self.relief, Self::RELIEFS, ""),
+            ("light", self.light, Self::LIGHTS_DEG, " degrees"),
         ] {
             if !range.contains(&value) {
-                return refuse(setting, value.to_string(), words);
+                let allowed = format!("it must lie {}{unit}", between(&range));
+                return refuse(setting, value.to_string(), &allowed);
             }
         }
         let few = matches!(self.times.len(), 0 | 2..=Self::MAX_TIMES);
         if !few || !self.times.iter().all(|secs| Self::SECS.contains(secs)) || !rise(&self.times) {
-            let range = "it must be 2 to 257 times between 1e-9 and 1e6 s, each later than the \
-                         one before";
-            return refuse("times", format!("{:?}", self.times), range);
+            let allowed = format!(
+                "it must be 2 to {} times {} s, each later than the one before",
+                Self::MAX_TIMES,
+                between(&Self::SECS)
+            );
+            return refuse("times", format!("{:?}", self.times), &allowed);
         }
         Ok(())
     }
@@ -323,7 +327,7 @@ mod tests {
         let single = PictureTable { samples: Sampling::SINGLE, ..adaptive.clone() };
         single.check_size([8192, 8192]).unwrap();
         let error = adaptive.check_size([8192, 8192]).unwrap_err().to_string();
-        assert!(error.contains("`samples` auto") && error.contains("`samples` 3"), "{error}");
+        assert!(error.contains("samples auto") && error.contains("samples 3"), "{error}");
         let corners = PictureTable::default();
         assert_eq!(corners.samples_of([7680, 4320]), Sampling::Corners);
         assert_eq!(corners.samples_of([8192, 8192]), Sampling::SINGLE);

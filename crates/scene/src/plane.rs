@@ -3,13 +3,14 @@
 
 use std::f64::consts::PI;
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::angle_text::in_rad;
 use super::exact_length::exactly;
-use super::{PendulumSpec, SceneError};
+use super::{PendulumSpec, SceneError, Setting};
 use flipmap_numbers::{Dd, Real, Scalar};
 use flipmap_pendulum::{Launch, Pendulum};
 
@@ -70,6 +71,14 @@ impl PlaneKind {
     ];
     /// The plane of both angles.
     pub(super) const ANGLES: PlaneKind = PlaneKind::NAMED[0].1;
+
+    /// Returns all planes as alternatives.
+    pub(super) fn choices() -> String {
+        let [named, axes] =
+            [&PlaneKind::NAMED.map(|(name, _)| name)[..], &AXES.map(|(name, _)| name)]
+                .map(|names| names.join(", "));
+        format!("{named}, or two of {axes} with a comma between them")
+    }
 }
 
 impl Axis {
@@ -129,11 +138,16 @@ impl Default for Plane {
 impl Plane {
     /// Error text for an energy given to a plane that has none.
     pub(super) const ENERGY_IS_FOR: &str =
-        "only the plane section has an energy: omit `energy`, or use `plane` section";
+        "only the plane section has an energy: omit it, or use the plane section";
 
     /// Error text for an origin given to a section.
     pub(super) const NO_ORIGIN: &str =
-        "the plane section has no origin: omit `origin`, or use another `plane`";
+        "the plane section has no origin: omit it, or use another plane";
+
+    /// Range of the four numbers of an origin.
+    pub(super) const ORIGINS: RangeInclusive<f64> = -1e6..=1e6;
+    /// Range of the energy of a section, J.
+    pub const ENERGIES_J: RangeInclusive<f64> = -1e12..=1e12;
 
     /// The quantities across and up.
     pub fn axes(&self) -> [Axis; 2] {
@@ -191,10 +205,8 @@ impl Plane {
             return refuse("plane", format!("'{}'", self.kind), "its two axes must differ");
         }
         for value in &self.origin {
-            if !Dd::parse(value).is_some_and(|value| value.hi.abs() <= MAX_ORIGIN) {
-                let range = "it must be four decimal numbers θ1,θ2,ω1,ω2 between -1e6 and 1e6";
-                return refuse("origin", format!("'{value}'"), range);
-            }
+            let is_fine = Dd::parse(value).is_some_and(|value| Self::ORIGINS.contains(&value.hi));
+            Setting::Origin.require(is_fine, &format_args!("'{value}'"))?;
         }
         let is_section = self.kind == PlaneKind::Section;
         let is_zero = |value: &String| Dd::parse(value) == Some(Dd::new(0.0));
@@ -205,13 +217,7 @@ impl Plane {
             return refuse("energy", format!("'{}'", self.energy), Self::ENERGY_IS_FOR);
         }
         let Pendulum { p, q, .. } = build.pendulum();
-        if !self.energy.is_finite() || self.energy.abs() > MAX_ENERGY {
-            return refuse(
-                "energy",
-                self.energy.to_string(),
-                "it must lie between -1e12 and 1e12 J",
-            );
-        }
+        Setting::Energy.require(Self::ENERGIES_J.contains(&self.energy), &self.energy)?;
         if is_section && self.energy < -(p + q) {
             let range = format!(
                 "a section's energy must be at least that of the hanging pendulum, {} J",
@@ -310,10 +316,6 @@ pub(super) fn omega2_beside<T: Real>(pendulum: &Pendulum<T>, omega1: T, cos: T, 
 
 /// Largest angular velocity that the lattice reaches, in rad per natural unit of time √(l1/g).
 const FASTEST: f64 = 16.0;
-/// Largest absolute value in an origin.
-const MAX_ORIGIN: f64 = 1e6;
-/// Largest absolute energy of a section, in J.
-const MAX_ENERGY: f64 = 1e12;
 
 /// Wraps an angle to (−π, π]; an angle that is already there is returned without rounding.
 pub(super) fn wrapped(angle: Dd) -> Dd {
@@ -332,18 +334,16 @@ impl fmt::Display for PlaneKind {
 }
 
 impl FromStr for PlaneKind {
-    type Err = &'static str;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, &'static str> {
-        let words = "the planes are angles, speeds, first, second and section, or two of theta1, \
-                     theta2, omega1 and omega2 with a comma between them";
+    fn from_str(text: &str) -> Result<Self, String> {
         if let Some((_, kind)) = PlaneKind::NAMED.iter().find(|(name, _)| *name == text) {
             return Ok(*kind);
         }
         let axis =
             |word: &str| AXES.iter().find(|(name, _)| *name == word.trim()).map(|(_, axis)| *axis);
-        let (across, up) = text.split_once(',').ok_or(words)?;
-        Ok(PlaneKind::Axes([axis(across).ok_or(words)?, axis(up).ok_or(words)?]))
+        let axes = text.split_once(',').and_then(|(across, up)| Some([axis(across)?, axis(up)?]));
+        axes.map(PlaneKind::Axes).ok_or_else(|| format!("the planes are {}", PlaneKind::choices()))
     }
 }
 

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Budget, SceneError};
+use super::allowed::in_a_row;
+use super::{Budget, SceneError, Setting};
 use crate::question::{Needs, QuestionName, Watches};
 use flipmap_pendulum::Rule;
 
@@ -47,8 +48,7 @@ impl QuestionSettings {
     pub const MAX_COUNT: u32 = 1_000_000;
 
     /// Error text for a rule given to a question that has none.
-    pub(super) const RULE_IS_FOR: &str =
-        "only the question flip has a rule: omit `rule`, or use `ask` flip";
+    pub(super) const RULE_IS_FOR: &str = "only the question flip has a rule: omit it, or ask flip";
 
     /// Returns true if the question watches the bobs chosen by the rule.
     pub(super) fn has_rule(&self) -> bool {
@@ -89,35 +89,33 @@ impl QuestionSettings {
 
     /// Checks the settings of this question; the budget must have been checked before.
     pub(super) fn check(&self) -> Result<(), SceneError> {
-        let refuse = |setting, value: String, range: &'static str| {
-            Err(SceneError::new(setting, value, range))
+        let refuse = |setting: Setting, value: String, allowed: String| {
+            Err(SceneError::new(setting.name(), value, allowed))
         };
-        if !(1..=Self::MAX_COUNT).contains(&self.count) {
-            return refuse("count", self.count.to_string(), "it must lie between 1 and 1000000");
-        }
+        Setting::Count.require((1..=Self::MAX_COUNT).contains(&self.count), &self.count)?;
         if self.rule != Rule::default() && !self.has_rule() {
-            return refuse("rule", format!("'{}'", self.rule), Self::RULE_IS_FOR);
+            let value = format!("'{}'", self.rule);
+            return refuse(Setting::Rule, value, Self::RULE_IS_FOR.to_string());
         }
         if self.count > 1 && !self.ask.kind().has_count {
-            return refuse("count", self.count.to_string(), "only the question flip counts");
+            let allowed = "only the question flip counts".to_string();
+            return refuse(Setting::Count, self.count.to_string(), allowed);
         }
         let Some(at) = self.at else { return Ok(()) };
         if !self.ask.kind().at_a_time {
-            return refuse(
-                "at",
-                at.to_string(),
-                "only the questions flips, state, growth and return last until a given time",
-            );
+            let names = in_a_row(&QuestionName::at_a_time(), "and");
+            let allowed = format!("only the questions {names} last until a given time");
+            return refuse(Setting::At, at.to_string(), allowed);
         }
         let budget = self.budget.secs;
         if at == 0.0 && self.ask.kind().needs == Needs::Growth {
-            let range =
+            let allowed =
                 format!("growth takes time: it must lie above 0 and within the budget, {budget} s");
-            return Err(SceneError::new("at", format!("{at} s"), range));
+            return refuse(Setting::At, format!("{at} s"), allowed);
         }
         if !(at >= 0.0 && at <= budget) {
-            let range = format!("it must lie within the budget, between 0 and {budget} s");
-            return Err(SceneError::new("at", format!("{at} s"), range));
+            let allowed = format!("it must lie within the budget, between 0 and {budget} s");
+            return refuse(Setting::At, format!("{at} s"), allowed);
         }
         Ok(())
     }

@@ -1,26 +1,31 @@
-//! The error for an unusable value in a scene.
+//! The error for an unusable value of a setting.
 
-use std::borrow::Cow;
+use std::fmt::Display;
 
-/// A setting whose value cannot be used, with the allowed range.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{setting}` is {value}; {range}")]
+/// A setting whose value cannot be used, with the allowed values.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.called(&format_args!("`{setting}`")))]
 pub struct SceneError {
     /// Name of the setting: a key in a scene file or an option on the command line.
     pub setting: &'static str,
     /// The given value.
     pub value: String,
-    /// The allowed range, as a phrase.
-    pub range: Cow<'static, str>,
+    /// The allowed values, as a phrase.
+    pub allowed: String,
 }
 
 impl SceneError {
-    /// Creates an error for a value, with the allowed range as a phrase.
+    /// Creates an error for a value, with the allowed values as a phrase.
     pub fn new(
         setting: &'static str,
         value: impl Into<String>,
-        range: impl Into<Cow<'static, str>>,
+        allowed: impl Into<String>,
     ) -> Self {
-        SceneError { setting, value: value.into(), range: range.into() }
+        SceneError { setting, value: value.into(), allowed: allowed.into() }
+    }
+
+    /// Returns the error as a sentence that calls the setting by another name.
+    pub fn called(&self, name: &dyn Display) -> String {
+        format!("{name} is {}; {}", self.value, self.allowed)
     }
 }

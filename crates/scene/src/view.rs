@@ -1,11 +1,12 @@
 //! The part of the plane of starts that a picture shows.
 
-use std::borrow::Cow;
+use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
+use super::allowed::between;
 use super::exact_length::exactly;
-use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError};
+use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError, Setting};
 use flipmap_numbers::{Dd, Exact, Scalar};
 
 /// Smallest width of a view, in the unit of the horizontal axis.
@@ -58,6 +59,15 @@ fn shortened(text: &str) -> String {
 const SHOWN: usize = 60;
 
 impl View {
+    /// Range of a coordinate of the centre, in the unit of its axis.
+    const COORDINATES: RangeInclusive<f64> = -1e6..=1e6;
+    /// Largest width of a view, in the unit of the horizontal axis.
+    pub(crate) const MAX_WIDTH: f64 = 1e3;
+    /// Range of the rotation in degrees.
+    pub(crate) const ROTATIONS_DEG: RangeInclusive<f64> = -360.0..=360.0;
+    /// Range of the stretch.
+    pub(crate) const STRETCHES: RangeInclusive<f64> = 1e-6..=1e6;
+
     /// Returns the first view of a plane: the home scene's view for the plane of angles, and the
     /// default view for any other.
     pub fn home_of(plane: &Plane) -> Self {
@@ -69,24 +79,26 @@ impl View {
 
     /// Checks that every number can be used on a plane with these axes.
     pub fn check(&self, axes: [Axis; 2]) -> Result<(), SceneError> {
-        let units = axes.map(Axis::unit);
-        for (coordinate, unit) in self.center.iter().zip(units) {
-            let fine = Exact::parse(coordinate).is_some_and(|x| x.to_f64().abs() <= 1e6);
-            let range = format!(
-                "each coordinate must be a decimal number between -1e6 and 1e6 {unit}, in at most \
-                 1000 characters"
-            );
-            refuse_unless(fine, "center", &shortened(coordinate), range)?;
+        for (coordinate, axis) in self.center.iter().zip(axes) {
+            let x = Exact::parse(coordinate).map(|x| x.to_f64());
+            if !x.is_some_and(|x| Self::COORDINATES.contains(&x)) {
+                let allowed = format!(
+                    "each coordinate must be a decimal number {} {}, in at most 1000 characters",
+                    between(&Self::COORDINATES),
+                    axis.unit()
+                );
+                let value = format!("'{}'", shortened(coordinate));
+                return Err(SceneError::new(Setting::Center.name(), value, allowed));
+            }
         }
-        let width = Dd::parse(&self.width).is_some_and(|w| (MIN_WIDTH..=1e3).contains(&w.hi));
-        let range = format!("it must be a decimal number between 1e-100 and 1e3 {}", units[0]);
-        refuse_unless(width, "width", &self.width, range)?;
-        let rotate = (-360.0..=360.0).contains(&self.rotate);
-        let range = "it must lie between -360 and 360 degrees";
-        refuse_unless(rotate, "rotate", &self.rotate.to_string(), range)?;
-        let stretch = (1e-6..=1e6).contains(&self.stretch);
-        let range = "it must lie between 1e-6 and 1e6";
-        refuse_unless(stretch, "stretch", &self.stretch.to_string(), range)
+        let widths = MIN_WIDTH..=Self::MAX_WIDTH;
+        if !Dd::parse(&self.width).is_some_and(|width| widths.contains(&width.hi)) {
+            return Err(Setting::Width.refused(axes, format!("'{}'", self.width)));
+        }
+        let (rotate, stretch) = (self.rotate, self.stretch);
+        let quoted = |number: f64| format!("'{number}'");
+        Setting::Rotate.require(Self::ROTATIONS_DEG.contains(&rotate), &quoted(rotate))?;
+        Setting::Stretch.require(Self::STRETCHES.contains(&stretch), &quoted(stretch))
     }
 
     /// Returns the centre in the units of the axes; call [`View::check`] first. A coordinate that
@@ -129,15 +141,6 @@ impl View {
             |theta: Exact, wraps| theta == Exact::ZERO || wraps && theta.abs() == Exact::pi();
         self.center_rad().into_iter().zip(wraps).all(|(theta, wraps)| fixed(theta, wraps))
     }
-}
-
-fn refuse_unless(
-    fine: bool,
-    setting: &'static str,
-    value: &str,
-    range: impl Into<Cow<'static, str>>,
-) -> Result<(), SceneError> {
-    if fine { Ok(()) } else { Err(SceneError::new(setting, format!("'{value}'"), range)) }
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use super::film_run::{FilmRequest, FilmRunError, film};
 use flipmap_engine::Cells;
 use flipmap_engine::choice::{EngineRequest, choose};
-use flipmap_engine::run_settings::{RunSettingsError, RunSpec};
+use flipmap_engine::run_settings::RunSpec;
 use flipmap_render::Watch;
 use flipmap_render::output::{Paths, PictureRecipe, RenderError, is_one_file, sentence};
 use flipmap_render::tiles::Renderer;
@@ -197,7 +197,7 @@ enum Failure {
     #[error(transparent)]
     Scene(#[from] DocumentError),
     #[error(transparent)]
-    Words(#[from] RunSettingsError),
+    Words(#[from] flipmap_scene::SceneError),
     #[error(transparent)]
     Choice(#[from] flipmap_engine::choice::ChoiceError),
     #[error(transparent)]

@@ -36,7 +36,7 @@ pub enum WindowError {
     )]
     Lost,
     /// The measurements could not be written.
-    #[error("`stats`: cannot write {path}: {source}")]
+    #[error("cannot write the measurements to {path}: {source}")]
     Stats {
         /// Path of the file.
         path: String,

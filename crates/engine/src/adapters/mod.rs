@@ -23,6 +23,8 @@ pub(crate) use tuning::MAX_SLICES;
 pub(crate) use verdict::BY_SERIES;
 pub use verdict::{Check, Verdict};
 
+use flipmap_scene::SceneError;
+
 use crate::choice::ChoiceError;
 #[cfg(feature = "gpu")]
 pub use crate::gpu::Adapter;
@@ -64,7 +66,9 @@ pub fn matching(wanted: Option<&str>) -> Result<Vec<Adapter>, ChoiceError> {
     let (fitting, others): (Vec<_>, Vec<_>) = all.into_iter().partition(fits);
     if fitting.is_empty() {
         let found = others.iter().map(Adapter::name).collect::<Vec<_>>().join(", ");
-        return Err(ChoiceError::UnknownAdapter { wanted: wanted.to_string(), found });
+        let allowed = format!("it matches none of: {found}");
+        let error = SceneError::new("adapter", format!("'{wanted}'"), allowed);
+        return Err(ChoiceError::UnknownAdapter(error));
     }
     Ok(fitting)
 }

@@ -97,8 +97,7 @@ impl CpuEngine {
             return Ok(());
         }
         let IntegratorConfig { method, precision } = config;
-        let why =
-            format!("the processor has no `method` {} in `precision` {precision}", method.name());
+        let why = format!("the processor has no method {} in precision {precision}", method.name());
         Err(EngineError::Unsupported(why))
     }
 

@@ -91,7 +91,7 @@ impl Design {
             Method::Taylor { .. } if config.precision == Precision::F64 => Scheme::Series,
             method => {
                 return Err(EngineError::Unsupported(format!(
-                    "graphics adapters have no `method` {} in `precision` {}",
+                    "graphics adapters have no method {} in precision {}",
                     method.name(),
                     config.precision
                 )));
@@ -128,7 +128,7 @@ impl Design {
     /// Returns the same kernel, or an error if its scheme cannot compute `ends`.
     pub(crate) fn returning(self, ends: WantedEnds) -> Result<Self, EngineError> {
         if self.scheme == Scheme::Series && ends.are_carried() {
-            let why = "graphics adapters compute no growth and no returns by `method` taylor";
+            let why = "graphics adapters compute no growth and no returns by the method taylor";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         Ok(self)

@@ -395,7 +395,7 @@ mod tests {
         let wrong = with(false);
         assert!(wrong.f64 && wrong.allows(&BALANCED).is_ok());
         let why = wrong.allows(&FINEST).unwrap_err();
-        assert!(why.contains("`method` taylor") && why.contains("1.0e-3 s"), "{why}");
+        assert!(why.contains("the method taylor") && why.contains("1.0e-3 s"), "{why}");
         let bare = verdict(vec![wrong.checks.last().unwrap().clone()]);
         assert!(!bare.f64, "expansions say nothing about the arithmetic");
     }

@@ -17,7 +17,7 @@ pub enum MergeError {
     #[error(transparent)]
     Part(#[from] PartError),
     /// An error of a still's file.
-    #[error(transparent)]
+    #[error("{0}")]
     Output(#[from] OutputError),
     /// A request to stop.
     #[error("stopped; what was computed is kept, merge again")]

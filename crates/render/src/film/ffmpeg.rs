@@ -11,6 +11,7 @@ use std::process::{Child, ChildStderr, Command, Stdio};
 use std::thread::JoinHandle;
 
 use crate::output::{Destination, SafeFile};
+use flipmap_scene::SceneError;
 use flipmap_scene::film::Film;
 
 /// Codec of a film.
@@ -38,15 +39,9 @@ pub enum FfmpegError {
     /// An ffmpeg that was built without the codec.
     #[error("this ffmpeg has no encoder {0}; install one that has, or write {1}")]
     Codec(&'static str, &'static str),
-    /// An odd side, where the codec takes only even ones.
-    #[error(
-        "`size` is {}x{}; an .mp4 needs even sides, such as {}x{}; .mkv takes any",
-        .0[0], .0[1], .0[0].next_multiple_of(2), .0[1].next_multiple_of(2)
-    )]
-    Odd([u32; 2]),
-    /// A single row or column, which no codec takes.
-    #[error("`size` is {}x{}; a film needs 2 pixels a side or more, a folder takes any", .0[0], .0[1])]
-    Thin([u32; 2]),
+    /// A size that the codec does not take.
+    #[error("{0}")]
+    Size(#[from] SceneError),
     /// A failure of ffmpeg, in its own words.
     #[error("ffmpeg failed: {0}")]
     Failed(String),
@@ -119,11 +114,18 @@ impl Codec {
 
     /// Refuses a film that ffmpeg could not encode, before anything is computed.
     pub fn check(self, size: [u32; 2]) -> Result<(), FfmpegError> {
+        let refuse = |allowed: &str| {
+            let value = format!("{}x{}", size[0], size[1]);
+            Err(SceneError::new("size", value, allowed).into())
+        };
         if size.contains(&1) {
-            return Err(FfmpegError::Thin(size));
+            return refuse("a film needs 2 pixels a side or more, a folder takes any");
         }
         if self == Codec::H264 && size.iter().any(|side| side % 2 == 1) {
-            return Err(FfmpegError::Odd(size));
+            let [width, height] = size.map(|side| side.next_multiple_of(2));
+            return refuse(&format!(
+                "an .mp4 needs even sides, such as {width}x{height}; .mkv takes any"
+            ));
         }
         let listed = Command::new("ffmpeg")
             .args(["-hide_banner", "-encoders"])

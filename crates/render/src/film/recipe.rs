@@ -26,7 +26,7 @@ pub enum FilmError {
     #[error(transparent)]
     Part(#[from] PartError),
     /// A destination that cannot be written.
-    #[error(transparent)]
+    #[error("{0}")]
     Output(#[from] OutputError),
     /// An error of a frame.
     #[error(transparent)]
@@ -35,7 +35,7 @@ pub enum FilmError {
     #[error(transparent)]
     Ffmpeg(#[from] FfmpegError),
     /// Frames that cannot be painted with these settings.
-    #[error(transparent)]
+    #[error("{0}")]
     Picture(#[from] SceneError),
     /// An error of the temporary file that holds the colours of a film's patches.
     #[error("cannot keep colours beside the samples, which takes nearly as much room again")]

@@ -56,7 +56,9 @@ pub enum CompareError {
     #[error("cannot write the difference picture")]
     Picture(#[source] io::Error),
     /// A file that is not a result.
-    #[error("{path} {why}; compare takes .npy arrays that render `raw` wrote, and RGB PNGs")]
+    #[error(
+        "{path} {why}; compare takes .npy arrays of raw samples that render wrote, and RGB PNGs"
+    )]
     Kind {
         /// Path of the file.
         path: PathBuf,
@@ -87,7 +89,7 @@ pub enum CompareError {
     },
     /// Arrays that do not answer the named question.
     #[error(
-        "{path} has {found} channels, and the question {} {}: `ask` names the question that both \
+        "{path} has {found} channels, and the question {} {}: name the question that both \
          answer",
         ask.kind().name,
         ask.kind().channels.len()

@@ -41,7 +41,7 @@ pub enum RenderError {
     #[error(transparent)]
     Engine(#[from] EngineError),
     /// A file could not be written.
-    #[error(transparent)]
+    #[error("{0}")]
     Output(#[from] OutputError),
     /// A request to stop.
     #[error("stopped; no unfinished file was left")]

@@ -79,10 +79,10 @@ pub enum StateError {
         now: String,
     },
     /// A state beyond the budget that is requested.
-    #[error("has gone to {kept} s already; `{setting}` is {now} and must be at least that")]
+    #[error("has gone to {kept} s already; the {end} must be at least that, and is {now} s")]
     Further {
-        /// The setting that is too small.
-        setting: &'static str,
+        /// A word for the end of this run: its time or its budget.
+        end: &'static str,
         /// Budget that the state has reached, s.
         kept: f64,
         /// Budget of this run, s.
@@ -136,20 +136,20 @@ impl RenderState {
             if kept == now {
                 return Ok(());
             }
-            let kept = format!("`{setting}` {kept}");
+            let kept = format!("{setting} {kept}");
             Err(StateError::Different { what, kept, now })
         };
         let scenes = [kept.scene(), now.scene()];
         for (what, words) in MUST_BE_EQUAL {
             for word in *words {
-                differ(what, word.setting(), scenes.each_ref().map(|scene| word.text(scene)))?;
+                differ(what, word.name(), scenes.each_ref().map(|scene| word.text(scene)))?;
             }
         }
         let sizes = [kept.run.size, now.run.size].map(Option::unwrap_or_default);
         differ("size", "size", sizes.map(|[width, height]| format!("{width}x{height}")))?;
-        let setting = if now.question.at.is_some() { "at" } else { "budget" };
+        let end = if now.question.at.is_some() { "time" } else { "budget" };
         let (kept, now) = (kept.question.end_secs(), now.question.end_secs());
-        if now < kept { Err(StateError::Further { setting, kept, now }) } else { Ok(()) }
+        if now < kept { Err(StateError::Further { end, kept, now }) } else { Ok(()) }
     }
 
     /// Refuses to resume with another engine or integrator config.
@@ -239,7 +239,7 @@ mod tests {
         heavy.pendulum.masses[1] = 2.0.into();
         assert_eq!(
             state.check_scene(&heavy).unwrap_err().to_string(),
-            "belongs to another pendulum: it has `masses` 1,1, and this run 1,2"
+            "belongs to another pendulum: it has masses 1,1, and this run 1,2"
         );
     }
 

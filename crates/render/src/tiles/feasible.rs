@@ -2,7 +2,7 @@
 
 use flipmap_engine::pace::Pace;
 use flipmap_engine::{Cells, EngineError, EventSpec, IntegratorConfig};
-use flipmap_scene::{Grid, Scene};
+use flipmap_scene::{Grid, Scene, SceneError};
 
 /// Returns an error if a picture of `size` pixels needs too many steps for its budget, or if its
 /// starts would be equal numbers and cannot be followed as cells.
@@ -14,15 +14,15 @@ pub fn check_feasible(
 ) -> Result<(), EngineError> {
     check_steps(scene, config)?;
     let grid = Grid::new(scene, size);
-    let (cells, why) = if grid.cell_plane().is_some() {
-        (cells, "`cells` is never")
+    let (cells, setting, value) = if grid.cell_plane().is_some() {
+        (cells, "cells", "never")
     } else {
-        (Cells::Never, "`width` is too small for this plane or question")
+        (Cells::Never, "width", "too small for this plane or question")
     };
     let checked = cells.check(config, grid.pixel_rad());
     checked.map_err(|error| {
         let error = error.in_unit(scene.plane.axes()[0].unit());
-        EngineError::Unsupported(format!("{why}; {error}"))
+        SceneError::new(setting, value, error.to_string()).into()
     })
 }
 

@@ -258,9 +258,9 @@ impl Window {
             Setting::Origin => !is_section,
             _ => true,
         };
-        let words = Setting::ALL.iter().filter(|(_, word)| has_effect(*word));
+        let option = |setting: Setting| format!("--{}={}", setting.name(), setting.text(scene));
         let options: Vec<String> =
-            words.map(|(setting, word)| format!("--{setting}={}", word.text(scene))).collect();
+            Setting::all().filter(|setting| has_effect(*setting)).map(option).collect();
         let (how, options) = (self.how.options(), options.join(" "));
         format!("flipmap render {how} --size {SIDE}x{SIDE} {options} -o hunted.png")
     }

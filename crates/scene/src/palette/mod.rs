@@ -19,6 +19,7 @@ pub use tones::{Lookup, Tones, equalised, rise};
 use flipmap_assets::PALETTES;
 
 use super::SceneError;
+use super::allowed::did_you_mean;
 
 /// An opaque sRGB colour.
 pub type Rgb = [u8; 3];
@@ -85,12 +86,14 @@ impl Palette {
         }
         let found = PALETTES.iter().find(|(known, _)| *known == name);
         let (name, text) = found.ok_or_else(|| {
-            let names = Self::names().collect::<Vec<_>>().join(", ");
-            let range = format!(
-                "the palettes are {names}, lists of colours (#000000,#ff8000,#ffffff) and files \
-                 .map, .ugr and .gpl"
+            let names: Vec<&str> = Self::names().collect();
+            let allowed = format!(
+                "the palettes are {}, lists of colours (#000000,#ff8000,#ffffff) and files .map, \
+                 .ugr and .gpl{}",
+                names.join(", "),
+                did_you_mean(&names, name)
             );
-            SceneError::new("palette", format!("'{name}'"), range)
+            SceneError::new("palette", format!("'{name}'"), allowed)
         })?;
         let table = text.lines().filter_map(parse_colour).map(tint_of).collect();
         let ground = if *name == Self::DEFAULT { Ground::DARK } else { Ground::LIGHT };

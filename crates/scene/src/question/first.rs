@@ -15,7 +15,6 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
             The channel `time` tells when.",
     channels: &[Channel { name: "bob", unit: "", right: 0.0, scale: ChannelScale::Bobs }, TIME],
     counted: ["flipped", "unflipped"],
-    channel_names: "the question first has bob and time",
     watches: Watches::Always(Rule::Either),
     passes: 1,
     has_count: false,

@@ -11,7 +11,6 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
             the top. Where energy forbids that, nothing is simulated.",
     channels: &[TIME],
     counted: ["flipped", "unflipped"],
-    channel_names: "the question flip has time",
     watches: Watches::TheRule,
     passes: 1,
     has_count: true,

@@ -17,7 +17,6 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
         count("second_right"),
     ],
     counted: ["answered", "unanswered"],
-    channel_names: "the question flips has first_left, first_right, second_left and second_right",
     watches: Watches::Always(Rule::Either),
     passes: u32::MAX,
     has_count: false,

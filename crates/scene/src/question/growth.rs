@@ -17,7 +17,6 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
         scale: ChannelScale::Rates(0.5),
     }],
     counted: ["answered", "unanswered"],
-    channel_names: "the question growth has exponent",
     watches: Watches::Always(Rule::Neither),
     passes: 1,
     has_count: false,

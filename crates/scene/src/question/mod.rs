@@ -19,6 +19,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::allowed::{did_you_mean, in_a_row, named};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::passes::Pass;
@@ -54,8 +55,6 @@ pub struct QuestionDef {
     pub channels: &'static [Channel],
     /// Words for pixels with an answer and for those without one at the end of the budget.
     pub counted: [&'static str; 2],
-    /// A phrase with the names of the channels.
-    pub channel_names: &'static str,
     /// The bobs that it watches.
     pub watches: Watches,
     /// Number of passes over the top that ends a simulation; [`u32::MAX`] if none does. The scene's
@@ -229,6 +228,19 @@ pub struct QuestionInput<'a> {
     pub gathered: Accumulators,
 }
 
+impl QuestionDef {
+    /// Returns a phrase with the names of the channels, for a `typed` name that is none of them.
+    pub(crate) fn has_no_channel(&self, typed: &str) -> String {
+        let mut names: Vec<&str> = self.channels.iter().map(|channel| channel.name).collect();
+        let mut phrase = format!("the question {} has {}", self.name, in_a_row(&names, "and"));
+        if let Some((tint, _)) = self.tint {
+            phrase += &format!(", and the colours of {tint}");
+            names.push(tint);
+        }
+        phrase + &did_you_mean(&names, typed)
+    }
+}
+
 impl QuestionName {
     /// Every question.
     pub const ALL: [QuestionName; 6] = [
@@ -270,8 +282,15 @@ impl QuestionName {
         self.kind().needs == Needs::Outcome
     }
 
-    /// A phrase with the names of all questions.
-    pub(crate) const NAMES: &str = "the questions are flip, first, flips, state, growth and return";
+    /// Returns the names of all questions.
+    pub(crate) fn names() -> Vec<&'static str> {
+        QuestionName::ALL.map(|ask| ask.kind().name).to_vec()
+    }
+
+    /// Returns the questions whose answers are read at the time `at`.
+    pub(crate) fn at_a_time() -> Vec<QuestionName> {
+        QuestionName::ALL.into_iter().filter(|ask| ask.kind().at_a_time).collect()
+    }
 }
 
 impl fmt::Display for QuestionName {
@@ -281,11 +300,10 @@ impl fmt::Display for QuestionName {
 }
 
 impl FromStr for QuestionName {
-    type Err = &'static str;
+    type Err = String;
 
-    fn from_str(word: &str) -> Result<Self, &'static str> {
-        let named = QuestionName::ALL.into_iter().find(|ask| ask.kind().name == word);
-        named.ok_or(QuestionName::NAMES)
+    fn from_str(word: &str) -> Result<Self, String> {
+        named("questions", &QuestionName::ALL.map(|ask| (ask.kind().name, ask)), word)
     }
 }
 

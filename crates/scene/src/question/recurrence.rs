@@ -15,7 +15,6 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
         Channel { name: "time", unit: "s", right: 1e-2, scale: ChannelScale::Times },
     ],
     counted: ["returned", "not returned"],
-    channel_names: "the question return has distance and time",
     watches: Watches::Always(Rule::Neither),
     passes: 1,
     has_count: false,

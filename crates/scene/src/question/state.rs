@@ -22,8 +22,6 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
         turns("turns2"),
     ],
     counted: ["answered", "unanswered"],
-    channel_names: "the question state has theta1, theta2, omega1, omega2, turns1 and turns2, and the \
-                    colours of energy",
     watches: Watches::Always(Rule::Neither),
     passes: 1,
     has_count: false,

@@ -9,9 +9,6 @@ use flipmap_pendulum::Rule;
 use flipmap_scene::question::{QuestionName, Watches};
 use flipmap_scene::{Axis, Budget, Kind, PendulumSpec, Plane, PlaneKind, QuestionSettings, Scene};
 
-/// Range of a mass in kg or a length in m.
-const WIDE: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
-
 /// Shows the pendulum, the question and the plane; returns the scene if it has changed and can be
 /// computed.
 pub fn scene_panel(ui: &mut Ui, scene: &Scene) -> Option<Scene> {
@@ -43,14 +40,16 @@ fn built(ui: &mut Ui, build: &mut PendulumSpec) {
         rods.on_hover_text("Uniform bars");
     });
     ui.end_row();
-    pair(ui, ["Mass m1", "Mass m2"], " kg", &mut build.masses, WIDE);
-    pair(ui, ["Length l1", "Length l2"], " m", &mut build.lengths, WIDE);
-    if let Some(gravity) = number(ui, "Gravity g", " m/s²", build.gravity.value(), 0.0..=1e9) {
+    pair(ui, ["Mass m1", "Mass m2"], " kg", &mut build.masses, PendulumSpec::MASSES_KG);
+    pair(ui, ["Length l1", "Length l2"], " m", &mut build.lengths, PendulumSpec::LENGTHS_M);
+    let (least, most) = PendulumSpec::GRAVITIES.into_inner();
+    if let Some(gravity) = number(ui, "Gravity g", " m/s²", build.gravity.value(), 0.0..=most) {
         // Gravity below the smallest allowed positive value becomes 0.
-        build.gravity = if gravity < 1e-9 { 0.0 } else { gravity }.into();
+        build.gravity = if gravity < least { 0.0 } else { gravity }.into();
     }
     ui.end_row();
-    pair(ui, ["Friction b1", "Friction b2"], " N m s", &mut build.friction, 0.0..=1e9);
+    let friction = PendulumSpec::FRICTIONS;
+    pair(ui, ["Friction b1", "Friction b2"], " N m s", &mut build.friction, friction);
 }
 
 fn pair(
@@ -96,7 +95,7 @@ fn asked(ui: &mut Ui, question: &mut QuestionSettings) {
     } else {
         question.count = 1;
     }
-    if let Some(secs) = number(ui, "Budget", " s", question.budget.secs, 1e-9..=1e6) {
+    if let Some(secs) = number(ui, "Budget", " s", question.budget.secs, Budget::SECS) {
         question.budget = Budget::secs(secs);
     }
     ui.end_row();
@@ -154,7 +153,7 @@ fn plane(ui: &mut Ui, plane: &mut Plane) {
     combo.response.labelled_by(label.id);
     ui.end_row();
     if plane.kind == PlaneKind::Section {
-        if let Some(energy) = number(ui, "Energy", " J", plane.energy, -1e12..=1e12) {
+        if let Some(energy) = number(ui, "Energy", " J", plane.energy, Plane::ENERGIES_J) {
             plane.energy = energy;
         }
         ui.end_row();
