@@ -17,9 +17,10 @@ pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The Rust files of the product: the program's and its crates'.
+/// The Rust files of the product: the program's and its crates', without folders of tests.
 pub(crate) fn product_files() -> Vec<PathBuf> {
     let crates = fs::read_dir("crates").unwrap().map(|entry| entry.unwrap().path().join("src"));
     let others = ["assets", "shaders", "src"].map(PathBuf::from);
-    crates.chain(others).flat_map(|folder| rust_files(&folder)).collect()
+    let files = crates.chain(others).flat_map(|folder| rust_files(&folder));
+    files.filter(|file| !file.components().any(|part| part.as_os_str() == "tests")).collect()
 }

@@ -1,7 +1,6 @@
 //! Rules of the sources: sizes, prose, examples, the corpus of the fuzzers, and kernels that every
 //! driver accepts.
 
-#[cfg(feature = "window")]
 mod architecture;
 mod examples;
 mod fuzz_corpus;

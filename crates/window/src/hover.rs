@@ -11,7 +11,7 @@ use flipmap_scene::question::MAX_CHANNELS;
 
 /// The answer that the map shows for a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Answer {
+pub(crate) struct Answer {
     /// Status: [`Status::Answered`] if there is an answer.
     pub status: Status,
     /// Values of the question's channels, followed by zeros.
@@ -21,7 +21,7 @@ pub struct Answer {
 }
 
 /// Returns the places of the sample that a level draws at a place and of the one to its right.
-pub fn sample_at(angle: [Exact; 2], level: u32) -> [[Exact; 2]; 2] {
+pub(crate) fn sample_at(angle: [Exact; 2], level: u32) -> [[Exact; 2]; 2] {
     let cell = Cell::around(angle, level);
     let [column, row] = cell.sample_at(angle);
     let pixel = Turn::side(level + SIDE.ilog2()).to_theta() + Exact::pi();
@@ -52,7 +52,7 @@ pub(crate) fn answer_at(
 }
 
 /// Returns the known answer of the sample at a place inside a cell.
-pub fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Exact; 2]) -> Option<Answer> {
+pub(crate) fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Exact; 2]) -> Option<Answer> {
     answer_of(explorer, cell, angle, |stride, place| stride.index(place, SIDE))
 }
 

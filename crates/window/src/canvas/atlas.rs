@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 /// Number of slots along a side of a layer (counterpart in shaders/picture.wgsl).
-pub const SLOTS_ALONG: u32 = 16;
+pub(crate) const SLOTS_ALONG: u32 = 16;
 /// Number of slots in a layer.
 pub(crate) const SLOTS_IN_LAYER: u32 = SLOTS_ALONG * SLOTS_ALONG;
 

@@ -9,7 +9,7 @@ use flipmap_scene::{PictureTable, Scene, SceneError};
 
 /// A picture's colours in the form that the card takes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CardColours {
+pub(crate) struct CardColours {
     /// The values shared by all samples.
     pub uniforms: Uniforms,
     /// The colour table's sRGB colours, four bytes each.
@@ -37,19 +37,9 @@ struct Table {
     until: f64,
 }
 
-/// Returns the colours of a scene's picture; `trust` hatches uncertain pixels, and flips after
-/// `until_secs` are not shown. Fails if the picture cannot be painted.
-pub fn colours(
-    picture: &PictureTable,
-    scene: &Scene,
-    until_secs: f64,
-    trust: bool,
-) -> Result<CardColours, SceneError> {
-    gliding_colours(picture, picture, scene, until_secs, trust)
-}
-
-/// Returns the colours while they glide: those of `shown`, whose times are moving towards the
-/// picture's.
+/// Returns the colours of a scene's picture while they glide: those of `shown`, whose times are
+/// moving towards the picture's. `trust` hatches uncertain pixels, and flips after `until_secs` are
+/// not shown. Fails if the picture cannot be painted.
 pub(crate) fn gliding_colours(
     picture: &PictureTable,
     shown: &PictureTable,
@@ -161,7 +151,7 @@ mod tests {
         {
             let budget_secs = scene.question.budget.secs;
             let tones = Tones::new(picture, scene.build.unit_secs(), budget_secs).unwrap();
-            let card = colours(picture, &scene, budget_secs, false).unwrap();
+            let card = gliding_colours(picture, picture, &scene, budget_secs, false).unwrap();
             assert_eq!(card.words == WordKind::Times, flat, "{picture:?}");
             assert_eq!((card.table.len(), card.uniforms.coloured), (4 * TABLE_ENTRIES, 0));
             let [first, last] = tones.range_secs();
@@ -187,7 +177,8 @@ mod tests {
             (times(&[10.0, 10.001]), false),
             (steps, false),
         ] {
-            let words = colours(&picture, &Scene::default(), 30.0, false).unwrap().words;
+            let words =
+                gliding_colours(&picture, &picture, &Scene::default(), 30.0, false).unwrap().words;
             assert_eq!(words == WordKind::Times, in_table, "{picture:?}");
         }
     }
@@ -198,8 +189,8 @@ mod tests {
         for times in [vec![0.5, 20.0], vec![10.0, 10.001]] {
             let picture = PictureTable { times, palette: "romao".into(), ..Default::default() };
             let moved = PictureTable { offset: 0.3, ..picture.clone() };
-            let [a, b] =
-                [&picture, &moved].map(|picture| colours(picture, &scene, 30.0, false).unwrap());
+            let [a, b] = [&picture, &moved]
+                .map(|picture| gliding_colours(picture, picture, &scene, 30.0, false).unwrap());
             assert!(a.words == b.words && a.uniforms == b.uniforms && a.table != b.table);
         }
     }
@@ -207,7 +198,7 @@ mod tests {
     #[test]
     fn a_picture_that_cannot_be_painted_is_refused() {
         let picture = PictureTable { palette: "rainbow".into(), ..PictureTable::default() };
-        let refused = colours(&picture, &Scene::default(), 30.0, true);
+        let refused = gliding_colours(&picture, &picture, &Scene::default(), 30.0, true);
         assert!(refused.unwrap_err().to_string().contains("batlow"));
     }
 }

@@ -10,7 +10,7 @@ const STEPS: usize = 64;
 
 /// The range of times that is shown, while it changes to another.
 #[derive(Debug, Default)]
-pub struct Glide {
+pub(crate) struct Glide {
     to: Option<TimeScale>,
     /// Times in s at equal steps of the palette when the change began, and the beginning on the
     /// window's clock, in s.

@@ -7,13 +7,13 @@
 //! ([`fading`]), and the range of times changes gradually ([`glide`]). The picture is kept, and a
 //! frame draws only the cells that have changed ([`kept`]).
 
-pub mod atlas;
-pub mod colours;
+pub(crate) mod atlas;
+pub(crate) mod colours;
 pub(crate) mod cover;
 pub(crate) mod fading;
 pub(crate) mod glide;
 pub(crate) mod kept;
-pub mod pipeline;
+pub(crate) mod pipeline;
 pub(crate) mod sample;
 
 use std::sync::Arc;
@@ -32,11 +32,11 @@ use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_scene::lattice::SIDE;
 
 /// Number of layers of the atlas: enough for one tile per cell in view.
-pub const LAYERS: u32 = MAX_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
+pub(crate) const LAYERS: u32 = MAX_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
 
 /// The map's state between frames.
 #[derive(Debug)]
-pub struct MapRenderer {
+pub(crate) struct MapRenderer {
     atlas: Atlas,
     table: Vec<u8>,
     words: Arc<WordKind>,
@@ -78,7 +78,7 @@ impl Default for MapRenderer {
 
 impl MapRenderer {
     /// Returns the frame that shows a screen in these colours.
-    pub fn frame(
+    pub(crate) fn frame(
         &mut self,
         screen: &Screen,
         explorer: &mut Explorer,

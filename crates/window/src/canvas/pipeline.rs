@@ -19,7 +19,7 @@ use flipmap_scene::palette::Relief;
 
 /// Returns the source of the shader, with the status codes of [`flipmap_pendulum::Status`] and the
 /// constants of the relief.
-pub fn shader() -> String {
+pub(crate) fn shader() -> String {
     let relief = format!(
         "const STEEPNESS: f32 = {:?};\nconst EDGE: f32 = {:?};\n",
         Relief::STEEPNESS,
@@ -31,7 +31,7 @@ pub fn shader() -> String {
 /// One parallelogram of the map (counterpart in the shader).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Quad {
+pub(crate) struct Quad {
     /// The first (upper left) corner in clip space.
     pub corner: [f32; 2],
     /// The side from the first corner to the right, in clip space.
@@ -53,7 +53,7 @@ pub struct Quad {
 /// The values shared by all quads (counterpart in the shader).
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Uniforms {
+pub(crate) struct Uniforms {
     /// Value of a word whose number is 0.
     pub value_bias: f32,
     /// Value of one step of a word's number.
@@ -82,11 +82,11 @@ pub struct Uniforms {
 }
 
 /// Number of entries of the colour table, enough to take the nearest one instead of a mixture.
-pub const TABLE_ENTRIES: usize = 8192;
+pub(crate) const TABLE_ENTRIES: usize = 8192;
 
 /// The quads that show a cell.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CellQuads {
+pub(crate) struct CellQuads {
     /// The quads in drawing order.
     pub quads: Vec<Quad>,
     /// True if they cover the whole cell.
@@ -95,7 +95,7 @@ pub struct CellQuads {
 
 /// Samples to be uploaded.
 #[derive(Clone, Debug)]
-pub struct Upload {
+pub(crate) struct Upload {
     /// Index of the slot to hold them.
     pub slot: u32,
     /// Samples of a cell, row by row.
@@ -105,7 +105,7 @@ pub struct Upload {
 }
 
 /// One frame of the map.
-pub struct MapFrame {
+pub(crate) struct MapFrame {
     /// The screen that is shown.
     pub screen: Screen,
     /// True if the light of all samples in a pixel is mixed where there are many.
@@ -127,7 +127,7 @@ pub struct MapFrame {
 }
 
 /// The resources on the card that live as long as the window's device.
-pub struct Canvas {
+pub(crate) struct Canvas {
     /// Draws the samples of the view's own level.
     plain: Brush,
     /// Draws finer samples, too, at a higher cost per pixel.
@@ -156,7 +156,7 @@ const MAX_TAPS: u32 = 7;
 
 impl Canvas {
     /// Creates the resources, with an atlas of `layers` layers, for a target format.
-    pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat, layers: u32) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat, layers: u32) -> Self {
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
             source: wgpu::ShaderSource::Wgsl(shader().into()),
@@ -185,7 +185,7 @@ impl Canvas {
     }
 
     /// Uploads a frame's data to the card.
-    pub fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
+    pub(crate) fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
         for upload in &frame.uploads {
             self.upload(queue, upload, &frame.words.words(&upload.samples));
         }
@@ -231,7 +231,7 @@ impl Canvas {
     /// Draws the changes of the loaded frame into the kept picture and submits them at once: the
     /// commands of the window's frame are lost if there is no surface to show it on, as when the
     /// window is covered.
-    pub fn draw(&self, device: &wgpu::Device, queue: &wgpu::Queue) {
+    pub(crate) fn draw(&self, device: &wgpu::Device, queue: &wgpu::Queue) {
         let clears = self.on == DrawingSurface::Cleared;
         if self.on == DrawingSurface::Window || (self.count == 0 && !clears) {
             return;
@@ -244,7 +244,7 @@ impl Canvas {
     }
 
     /// Shows the map in the viewport of a pass.
-    pub fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub(crate) fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
         match self.on {
             DrawingSurface::Window => self.draw_quads(pass),
             DrawingSurface::Cleared | DrawingSurface::Kept => self.kept.show(pass),

@@ -14,7 +14,7 @@ pub(crate) const HEIGHT_STEPS: f64 = ((1 << 27) - 1) as f64;
 
 /// Content of the words of samples, apart from status and trust.
 #[derive(Clone, Debug, PartialEq)]
-pub enum WordKind {
+pub(crate) enum WordKind {
     /// The logarithm of the time, which the card turns into a colour.
     Times,
     /// The height of a channel of times on the scale of its colours, for colours too fine for a

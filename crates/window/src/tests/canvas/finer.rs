@@ -8,9 +8,11 @@ use flipmap_scene::lattice::pitch_rad;
 use flipmap_scene::palette::{Rgb, Tones, light};
 use flipmap_scene::{Grid, Scene};
 
-use crate::doubtful::Doubtful;
-use crate::offscreen::{Paint, SIZE, Studio};
-use crate::{LEVEL, PLAIN, beyond, middle, outcome, painted, pictures, scene, screen, target};
+use crate::tests::canvas::doubtful::Doubtful;
+use crate::tests::canvas::offscreen::{Paint, SIZE, Studio};
+use crate::tests::canvas::{
+    LEVEL, PLAIN, beyond, middle, outcome, painted, pictures, scene, screen, target,
+};
 
 needs_adapter! {
     checks:

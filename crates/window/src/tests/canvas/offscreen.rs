@@ -1,14 +1,14 @@
 //! The canvas drawn into a texture and read back.
 
+use crate::camera::Screen;
+use crate::canvas::colours::{CardColours, gliding_colours};
+use crate::canvas::pipeline::Canvas;
+use crate::canvas::{LAYERS, MapRenderer};
 use flipmap_engine::gpu::device::Gpu;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::{PictureTable, Scene};
-use flipmap_window::camera::Screen;
-use flipmap_window::canvas::colours::{CardColours, colours};
-use flipmap_window::canvas::pipeline::Canvas;
-use flipmap_window::canvas::{LAYERS, MapRenderer};
 
-use crate::common::gpu_engine;
+use crate::tests::common::gpu_engine;
 
 /// Size of the test pictures in pixels; rows of a texture are read back in units of 256 bytes.
 pub(crate) const SIZE: [u32; 2] = [256, 192];
@@ -44,7 +44,7 @@ impl Studio {
 
     fn colours(&self, Paint { picture, scene, trust }: &Paint) -> CardColours {
         let until_secs = self.until_secs.unwrap_or(scene.question.budget.secs);
-        colours(picture, scene, until_secs, *trust).unwrap()
+        gliding_colours(picture, picture, scene, until_secs, *trust).unwrap()
     }
 
     /// Makes a frame and throws it away, as egui does with a pass that it runs again.

@@ -3,9 +3,11 @@
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::palette::Rgb;
 
-use crate::doubtful::Doubtful;
-use crate::offscreen::{Paint, Studio};
-use crate::{LEVEL, PLAIN, beyond, explored, middle, painted, pictures, target, wrong};
+use crate::tests::canvas::doubtful::Doubtful;
+use crate::tests::canvas::offscreen::{Paint, Studio};
+use crate::tests::canvas::{
+    LEVEL, PLAIN, beyond, explored, middle, painted, pictures, target, wrong,
+};
 
 needs_adapter! {
     checks:
@@ -16,9 +18,10 @@ mod checks {
     use super::*;
 
     pub(crate) fn a_new_tile_appears_over_the_one_that_stood_in() {
-        let (coarse, scene) = (crate::screen(middle(), LEVEL), crate::scene(60.0));
+        let (coarse, scene) =
+            (crate::tests::canvas::screen(middle(), LEVEL), crate::tests::canvas::scene(60.0));
         let mut explorer = explored(&coarse, &scene);
-        let fine = crate::screen(middle(), LEVEL + 2);
+        let fine = crate::tests::canvas::screen(middle(), LEVEL + 2);
         let picture = &pictures()[1];
         let paint = Paint { picture, scene: &scene, trust: false };
         let mut studio = Studio::new(PLAIN);

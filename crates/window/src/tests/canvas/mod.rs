@@ -1,11 +1,6 @@
 //! A map drawn on the graphics card has the same colours as a picture painted on the processor: for
 //! each sample, in mirror images, with stand-ins, and with doubts shown.
 
-#[macro_use]
-#[path = "../common/adapter.rs"]
-mod adapter;
-#[path = "../common/mod.rs"]
-mod common;
 mod doubtful;
 mod fading;
 mod finer;
@@ -14,6 +9,9 @@ mod offscreen;
 mod passes;
 mod smooth;
 
+use crate::camera::{Camera, Screen};
+use crate::hover::sample_at;
+use crate::reach::Reach;
 use doubtful::{Doubtful, fails, is_uncertain};
 use finer::encoded;
 use flipmap_engine::mock::MockEngine;
@@ -28,9 +26,6 @@ use flipmap_scene::palette::{FAILED, Ground, Rgb, Tones, equalised, light};
 use flipmap_scene::{
     Budget, Fate, Grid, PendulumSpec, PictureTable, QuestionSettings, Scale, Scene,
 };
-use flipmap_window::camera::{Camera, Screen};
-use flipmap_window::hover::sample_at;
-use flipmap_window::reach::Reach;
 use glam::DVec2;
 use offscreen::{Paint, SIZE, Studio};
 

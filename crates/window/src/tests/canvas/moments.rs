@@ -4,8 +4,10 @@ use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::palette::{Ground, Rgb, Tones};
 use flipmap_scene::{PictureTable, Scene};
 
-use crate::offscreen::{Paint, SIZE, Studio};
-use crate::{LEVEL, PLAIN, corner_beside, explored, outcome, painted, pictures, share_of, wrong};
+use crate::tests::canvas::offscreen::{Paint, SIZE, Studio};
+use crate::tests::canvas::{
+    LEVEL, PLAIN, corner_beside, explored, outcome, painted, pictures, share_of, wrong,
+};
 
 needs_adapter! {
     checks:
@@ -14,13 +16,13 @@ needs_adapter! {
 
 /// Returns the colours of the map with only the flips up to a moment.
 fn painted_until(
-    screen: &flipmap_window::camera::Screen,
+    screen: &crate::camera::Screen,
     scene: &Scene,
     picture: &PictureTable,
     until_secs: f64,
 ) -> Vec<Rgb> {
     let tones = Tones::new(picture, scene.build.unit_secs(), scene.question.budget.secs).unwrap();
-    let grid = crate::grid(screen, scene);
+    let grid = crate::tests::canvas::grid(screen, scene);
     let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
     let seen = |outcome: Outcome| match outcome.status {
         Status::Answered if outcome.time > until_secs => Outcome::without_time(Status::Unflipped),
@@ -34,8 +36,10 @@ mod checks {
 
     pub(crate) fn a_moment_shows_the_flips_before_it_and_computes_nothing() {
         // Some starts flip at about 12.2 s, the others from 40 s on.
-        let (screen, scene) =
-            (crate::screen(corner_beside([2.0, 0.9], LEVEL), LEVEL), crate::scene(60.0));
+        let (screen, scene) = (
+            crate::tests::canvas::screen(corner_beside([2.0, 0.9], LEVEL), LEVEL),
+            crate::tests::canvas::scene(60.0),
+        );
         let mut explorer = explored(&screen, &scene);
         let simulated = explorer.counts().simulated;
         // Colours from a table, and colours that are painted before the upload to the card.

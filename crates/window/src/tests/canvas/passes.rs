@@ -2,17 +2,17 @@
 
 use std::time::Instant;
 
+use crate::hover::known_at;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_render::tiles::cache::TILE_BYTES;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::PictureTable;
 use flipmap_scene::lattice::Cell;
-use flipmap_window::hover::known_at;
 use glam::DVec2;
 
-use crate::doubtful::Doubtful;
-use crate::offscreen::{Paint, SIZE, Studio};
-use crate::{LEVEL, PLAIN, corner_beside, painted, scene, screen, target};
+use crate::tests::canvas::doubtful::Doubtful;
+use crate::tests::canvas::offscreen::{Paint, SIZE, Studio};
+use crate::tests::canvas::{LEVEL, PLAIN, corner_beside, painted, scene, screen, target};
 
 needs_adapter! {
     checks:

@@ -1,6 +1,7 @@
 //! The window and `render` draw by different code: the same starts have the same colours at every
 //! depth, and the same light from the side.
 
+use crate::camera::Screen;
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::BALANCED;
@@ -15,10 +16,9 @@ use flipmap_render::tiles::{Samples, Work};
 use flipmap_scene::lattice::{Cell, pitch_rad, side_rad};
 use flipmap_scene::palette::equalised;
 use flipmap_scene::{BuiltIn, PictureTable, Scene};
-use flipmap_window::camera::Screen;
 
-use crate::offscreen::{Paint, SIZE, Studio};
-use crate::{PLAIN, beyond};
+use crate::tests::canvas::offscreen::{Paint, SIZE, Studio};
+use crate::tests::canvas::{PLAIN, beyond};
 
 needs_adapter! {
     checks:
@@ -36,7 +36,7 @@ fn aligned(scene: &Scene) -> Screen {
     let level = (0..).find(|&level| pitch_rad(level) <= pixel).unwrap();
     let half = Exact::from_f64(side_rad(level) / 2.0);
     let cell = Cell::around(scene.view.center_rad(), level);
-    crate::screen(cell.center().map(|theta| theta + half), level)
+    crate::tests::canvas::screen(cell.center().map(|theta| theta + half), level)
 }
 
 fn rendered(scene: &Scene, config: IntegratorConfig, engine: &mut dyn Engine) -> Samples {
