@@ -354,7 +354,10 @@ fn what_is_no_film_is_refused_by_name() {
         ),
         (&["--zoom-to", "deep", "--fps", "fast", "-o", "f"], "--fps is 'fast'; it must lie"),
         (&["--vary", "colour=1..2", "-o", "f"], "--vary is 'colour=1..2'; it must be time"),
-        (&["--vary", "masses=1,1..0,1", "-o", "f"], "each mass must lie between"),
+        (
+            &["--vary", "masses=1,1..0,1", "-o", "f"],
+            "masses is 0,1; it must be two numbers between 1e-9 and 1e9 kg",
+        ),
         (
             &["--budget", "30", "--vary", "at=0..50", "-o", "f"],
             "--vary is 'at=0..50': at is 50 s; it must lie within the budget, between 0 and 30 s",

@@ -131,9 +131,8 @@ impl PendulumSpec {
             (Setting::Friction, self.friction, Self::FRICTIONS),
         ];
         for (setting, pair, range) in pairs {
-            for number in pair {
-                setting.require(range.contains(&number.value()), &format!("{number:?}"))?;
-            }
+            let is_fine = pair.iter().all(|number| range.contains(&number.value()));
+            setting.require(is_fine, &format_args!("{},{}", pair[0], pair[1]))?;
         }
         let gravity = self.gravity.value();
         let is_fine = gravity == 0.0 || Self::GRAVITIES.contains(&gravity);
