@@ -54,10 +54,13 @@ pub fn in_a_row<T: Display>(names: &[T], word: &str) -> String {
     }
 }
 
-/// Returns the shorter way to write a number: plainly or in powers of ten.
+/// Largest number of characters of a number that is written plainly, as in 100000 or 0.0001.
+const MAX_PLAIN_CHARACTERS: usize = 6;
+
+/// Writes a number plainly or, if that is long, in powers of ten.
 fn short(number: f64) -> String {
     let [plain, power] = [format!("{number}"), format!("{number:e}")];
-    if power.len() < plain.len() { power } else { plain }
+    if plain.len() > MAX_PLAIN_CHARACTERS && power.len() < plain.len() { power } else { plain }
 }
 
 #[cfg(test)]
@@ -69,6 +72,7 @@ mod tests {
         assert_eq!(between(&(1e-9..=1e6)), "between 1e-9 and 1e6");
         assert_eq!(between(&(-360.0..=360.0)), "between -360 and 360");
         assert_eq!(between(&(0.0..=1.0)), "between 0 and 1");
+        assert_eq!(between(&(2.0..=1e5)), "between 2 and 100000");
     }
 
     #[test]
