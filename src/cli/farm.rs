@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use flipmap_engine::choice::{Chosen, EngineRequest};
 use flipmap_render::farm::{self, OpenChoices, Parts, Plan, RunError, Task, TaskKind};
 use flipmap_render::film::ffmpeg::Codec;
-use flipmap_render::film::{self, FilmError, FilmRecipe};
+use flipmap_render::film::{self, FilmRecipe, FilmRenderError};
 use flipmap_render::output::{read_text, shell_word};
 use flipmap_render::tiles::Renderer;
 use flipmap_scene::film::{Film, FilmKind};
@@ -134,10 +134,10 @@ pub(super) fn paint(
     drop(watch);
     painted.map_err(|error| match error {
         // Written frames are not made again; a film in one file is made anew.
-        FilmError::Stopped if Codec::of(output).is_none() => anyhow::Error::from(Exit::Again),
-        FilmError::Stopped => Exit::Unwritten.into(),
+        FilmRenderError::Stopped if Codec::of(output).is_none() => anyhow::Error::from(Exit::Again),
+        FilmRenderError::Stopped => Exit::Unwritten.into(),
         // Ctrl-C in a terminal reaches ffmpeg too.
-        FilmError::Ffmpeg(_) if stop::asked() => Exit::Unwritten.into(),
+        FilmRenderError::Ffmpeg(_) if stop::asked() => Exit::Unwritten.into(),
         error => error.into(),
     })?;
     tell_made(&recipe);
@@ -194,8 +194,8 @@ fn spread(
 /// Rejects a film that could not be painted or written.
 pub(super) fn check(recipe: &FilmRecipe) -> anyhow::Result<()> {
     recipe.check().map_err(|error| match error {
-        FilmError::Ffmpeg(why) => Exit::usage(&why).into(),
-        FilmError::Picture(why) => why.into(),
+        FilmRenderError::Ffmpeg(why) => Exit::usage(&why).into(),
+        FilmRenderError::Picture(why) => why.into(),
         error => error.into(),
     })
 }

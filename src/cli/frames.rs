@@ -3,7 +3,7 @@
 
 use flipmap_engine::IntegratorConfig;
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_render::film::{self, FilmError, FilmRecipe};
+use flipmap_render::film::{self, FilmRecipe, FilmRenderError};
 use flipmap_render::tiles::Renderer;
 use flipmap_scene::film::{Film, FilmKind};
 
@@ -29,7 +29,7 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     let made = recipe.render(&mut renderer, &watch);
     drop(watch);
     made.map_err(|error| match error {
-        FilmError::Stopped => Exit::Again.into(),
+        FilmRenderError::Stopped => Exit::Again.into(),
         error => anyhow::Error::from(error),
     })?;
     farm::tell_made(&recipe);

@@ -19,7 +19,7 @@ use flipmap_numbers::Scalar;
 pub(crate) use flipmap_render::farm::{
     PartError, Parts, Plan, PlanError, PlannedOutput, RunError, Task, run,
 };
-use flipmap_render::film::{FilmError, FilmRecipe};
+use flipmap_render::film::{FilmRecipe, FilmRenderError};
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key};
 use flipmap_scene::{BuiltIn, Document, Sampling};
@@ -254,10 +254,10 @@ impl From<RunError> for ReportError {
     }
 }
 
-impl From<FilmError> for ReportError {
-    fn from(error: FilmError) -> Self {
+impl From<FilmRenderError> for ReportError {
+    fn from(error: FilmRenderError) -> Self {
         match error {
-            FilmError::Stopped => ReportError::Stopped,
+            FilmRenderError::Stopped => ReportError::Stopped,
             error => ReportError::Film(error.to_string()),
         }
     }

@@ -3,7 +3,9 @@
 use super::merge::some_rows;
 use super::task::{FrameGroupTask, TaskKind};
 use super::{PartError, Parts, Task};
-use crate::film::{Colours, FilmError, FlipWindow, FramePainter, FramePixels, Mip, legend, tones};
+use crate::film::{
+    Colours, FilmRenderError, FlipWindow, FramePainter, FramePixels, Mip, legend, tones,
+};
 use crate::output::{Legend, RowPainter};
 use flipmap_scene::PictureTable;
 use flipmap_scene::film::{Film, Shot};
@@ -13,7 +15,7 @@ pub(crate) fn frames<'a>(
     task: &'a Task,
     picture: &'a PictureTable,
     parts: &'a mut Parts,
-) -> Result<Box<FramePixels<'a>>, FilmError> {
+) -> Result<Box<FramePixels<'a>>, FilmRenderError> {
     match &task.work {
         TaskKind::Still(..) => Err(PartError::Gone.into()),
         TaskKind::Frames(film, frames) => Ok(Box::new(move |frame, shot| {
@@ -57,7 +59,7 @@ struct FlipFrames<'a> {
 }
 
 impl FlipFrames<'_> {
-    fn paint(&mut self, frame: u32, shot: &Shot) -> Result<Vec<u8>, FilmError> {
+    fn paint(&mut self, frame: u32, shot: &Shot) -> Result<Vec<u8>, FilmRenderError> {
         let group = self.groups.partition_point(|group| group.group.frames.end <= frame);
         let shown = FlipWindow::of(self.film, shot);
         let last = self.last.take().filter(|(_, of, flips)| (*of, *flips) == (group, shown));
@@ -77,7 +79,11 @@ impl FlipFrames<'_> {
     }
 
     /// Builds the mip of a group's patches, in a file beside the parts.
-    fn coloured(&mut self, group: &FrameGroupTask, shown: &FlipWindow) -> Result<Mip, FilmError> {
+    fn coloured(
+        &mut self,
+        group: &FrameGroupTask,
+        shown: &FlipWindow,
+    ) -> Result<Mip, FilmRenderError> {
         let mut patches = group.group.patches.iter();
         let mut looks = || {
             let patch = patches.next().ok_or(PartError::Gone)?;

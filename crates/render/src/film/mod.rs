@@ -46,7 +46,7 @@ pub(crate) use mip::Mip;
 pub use mip::{Light, Looks};
 pub(crate) use paint::{FramePainter, WAITING};
 pub(crate) use recipe::FramePixels;
-pub use recipe::{FilmError, FilmRecipe, check_film, samples_of};
+pub use recipe::{FilmRecipe, FilmRenderError, check_film, samples_of};
 
 use std::sync::Arc;
 

@@ -18,7 +18,7 @@ use flipmap_scene::{Document, SceneError};
 
 /// Reasons why a film was not completed.
 #[derive(Debug, thiserror::Error)]
-pub enum FilmError {
+pub enum FilmRenderError {
     /// The engine failed.
     #[error(transparent)]
     Engine(#[from] EngineError),
@@ -57,7 +57,7 @@ pub struct FilmRecipe<'a> {
 
 impl FilmRecipe<'_> {
     /// Refuses a film that could not be painted or written, before an engine is started.
-    pub fn check(&self) -> Result<(), FilmError> {
+    pub fn check(&self) -> Result<(), FilmRenderError> {
         if let Some(codec) = Codec::of(self.output) {
             codec.check(self.film.size)?;
         }
@@ -67,7 +67,11 @@ impl FilmRecipe<'_> {
 
     /// Computes and writes the film frame by frame, and skips frames that are there already. If
     /// they are states at advancing times, every pendulum is followed only once.
-    pub fn render(&self, renderer: &mut Renderer, watch: &dyn Watch) -> Result<(), FilmError> {
+    pub fn render(
+        &self,
+        renderer: &mut Renderer,
+        watch: &dyn Watch,
+    ) -> Result<(), FilmRenderError> {
         let (film, picture, config) = (self.film, &self.document.picture, renderer.config());
         check_film(film, &config)?;
         let size = samples_of(film);
@@ -81,10 +85,10 @@ impl FilmRecipe<'_> {
             if let Some(moments) = &mut moments {
                 let at_secs = shot.scene.question.end_secs();
                 let samples = moments.at(renderer.engine(), at_secs, &goes_on)?;
-                return Ok(painter.paint(samples.ok_or(FilmError::Stopped)?));
+                return Ok(painter.paint(samples.ok_or(FilmRenderError::Stopped)?));
             }
             let samples = renderer.render_while(&shot.scene, size, &|_, _| goes_on())?;
-            Ok(painter.paint(&samples.ok_or(FilmError::Stopped)?))
+            Ok(painter.paint(&samples.ok_or(FilmRenderError::Stopped)?))
         })
     }
 
@@ -95,13 +99,13 @@ impl FilmRecipe<'_> {
         task: &Task,
         parts: &mut Parts,
         watch: &dyn Watch,
-    ) -> Result<(), FilmError> {
+    ) -> Result<(), FilmRenderError> {
         let mut paint = frames(task, &self.document.picture, parts)?;
         self.write(watch, paint.as_mut())
     }
 
     /// Writes the frames that are not there yet, each with the pixels that `paint` returns.
-    fn write(&self, watch: &dyn Watch, paint: &mut FramePixels) -> Result<(), FilmError> {
+    fn write(&self, watch: &dyn Watch, paint: &mut FramePixels) -> Result<(), FilmRenderError> {
         let film = self.film;
         let mut sink = FilmSink::open(self.output, film, self.document)?;
         for frame in 0..film.frames {
@@ -112,7 +116,7 @@ impl FilmRecipe<'_> {
             let rgb = paint(frame, &shot)?;
             sink.write(frame, &shot, &rgb)?;
             if !watch.keep_going(u64::from(frame) + 1, u64::from(film.frames)) {
-                return Err(FilmError::Stopped);
+                return Err(FilmRenderError::Stopped);
             }
         }
         sink.finish()
@@ -121,7 +125,7 @@ impl FilmRecipe<'_> {
 
 /// Returns the pixels of a frame that shows a shot, three bytes each. Frames come in their order,
 /// and some may be left out.
-pub(crate) type FramePixels<'a> = dyn FnMut(u32, &Shot) -> Result<Vec<u8>, FilmError> + 'a;
+pub(crate) type FramePixels<'a> = dyn FnMut(u32, &Shot) -> Result<Vec<u8>, FilmRenderError> + 'a;
 
 /// Returns an error if an engine with this configuration cannot compute a film.
 pub fn check_film(film: &Film, config: &IntegratorConfig) -> Result<(), EngineError> {

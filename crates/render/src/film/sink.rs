@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 
 use super::ffmpeg::{Codec, Encoder};
-use super::{FilmError, Frames};
+use super::{FilmRenderError, Frames};
 use crate::output::{Destination, OutputError, SafeFile};
 use flipmap_scene::Document;
 use flipmap_scene::film::{Film, Shot};
@@ -30,7 +30,11 @@ impl FilmSink {
 
     /// Opens a destination by its name: a file with a known extension, or else a folder. The
     /// document says how the film is painted.
-    pub(super) fn open(path: &Path, film: &Film, document: &Document) -> Result<Self, FilmError> {
+    pub(super) fn open(
+        path: &Path,
+        film: &Film,
+        document: &Document,
+    ) -> Result<Self, FilmRenderError> {
         Ok(match Codec::of(path) {
             Some(codec) => FilmSink::Encoder(Encoder::start(codec, film, path)?),
             None => FilmSink::Frames(Box::new(Frames::open(path, film, document)?)),
@@ -46,7 +50,12 @@ impl FilmSink {
     }
 
     /// Writes the next frame.
-    pub(super) fn write(&mut self, frame: u32, shot: &Shot, rgb: &[u8]) -> Result<(), FilmError> {
+    pub(super) fn write(
+        &mut self,
+        frame: u32,
+        shot: &Shot,
+        rgb: &[u8],
+    ) -> Result<(), FilmRenderError> {
         match self {
             FilmSink::Frames(frames) => Ok(frames.write(frame, shot, rgb)?),
             FilmSink::Encoder(encoder) => Ok(encoder.write(rgb)?),
@@ -54,7 +63,7 @@ impl FilmSink {
     }
 
     /// Completes the film.
-    pub(super) fn finish(self) -> Result<(), FilmError> {
+    pub(super) fn finish(self) -> Result<(), FilmRenderError> {
         match self {
             FilmSink::Frames(frames) => Ok(frames.finish()?),
             FilmSink::Encoder(encoder) => Ok(encoder.finish()?),

@@ -24,7 +24,7 @@ pub struct Paths {
 
 /// The kinds of outputs.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Output {
+pub(super) enum OutputKind {
     Picture,
     Pyramid,
     Raw,
@@ -32,18 +32,23 @@ pub(super) enum Output {
     Trust,
 }
 
-impl Output {
-    const ALL: [Output; 5] =
-        [Output::Picture, Output::Pyramid, Output::Raw, Output::Exr, Output::Trust];
+impl OutputKind {
+    const ALL: [OutputKind; 5] = [
+        OutputKind::Picture,
+        OutputKind::Pyramid,
+        OutputKind::Raw,
+        OutputKind::Exr,
+        OutputKind::Trust,
+    ];
 
     /// Returns the name of the setting.
     pub(super) fn setting(self) -> &'static str {
         match self {
-            Output::Picture => "output",
-            Output::Pyramid => "pyramid",
-            Output::Raw => "raw",
-            Output::Exr => "exr",
-            Output::Trust => "trust",
+            OutputKind::Picture => "output",
+            OutputKind::Pyramid => "pyramid",
+            OutputKind::Raw => "raw",
+            OutputKind::Exr => "exr",
+            OutputKind::Trust => "trust",
         }
     }
 }
@@ -55,15 +60,15 @@ impl Paths {
     }
 
     /// Iterates over the given paths, each with its kind.
-    pub(super) fn outputs(&self) -> impl Iterator<Item = (Output, &Path)> {
+    pub(super) fn outputs(&self) -> impl Iterator<Item = (OutputKind, &Path)> {
         let path = |output| match output {
-            Output::Picture => self.picture.as_deref(),
-            Output::Pyramid => self.pyramid.as_deref(),
-            Output::Raw => self.raw.as_deref(),
-            Output::Exr => self.exr.as_deref(),
-            Output::Trust => self.trust.as_deref(),
+            OutputKind::Picture => self.picture.as_deref(),
+            OutputKind::Pyramid => self.pyramid.as_deref(),
+            OutputKind::Raw => self.raw.as_deref(),
+            OutputKind::Exr => self.exr.as_deref(),
+            OutputKind::Trust => self.trust.as_deref(),
         };
-        Output::ALL.into_iter().filter_map(move |output| Some((output, path(output)?)))
+        OutputKind::ALL.into_iter().filter_map(move |output| Some((output, path(output)?)))
     }
 
     /// Refuses outputs that could not be written, before anything is computed.
@@ -72,10 +77,14 @@ impl Paths {
             let name = Destination::from(path);
             let file = || SafeFile::check(&name);
             let checked = match output {
-                Output::Pyramid => PyramidFolder::create(path).map(drop),
-                Output::Picture if picture.bits == 16 => check_depth(path).and_then(|()| file()),
-                Output::Picture | Output::Trust => WholeFormat::of(path).and_then(|_| file()),
-                Output::Raw | Output::Exr => file(),
+                OutputKind::Pyramid => PyramidFolder::create(path).map(drop),
+                OutputKind::Picture if picture.bits == 16 => {
+                    check_depth(path).and_then(|()| file())
+                }
+                OutputKind::Picture | OutputKind::Trust => {
+                    WholeFormat::of(path).and_then(|_| file())
+                }
+                OutputKind::Raw | OutputKind::Exr => file(),
             };
             let setting = output.setting();
             checked.map_err(|source| OutputError::Create { setting, name, source })

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::failure::{OutputError, is_broken_pipe};
-use super::paths::{Output, Paths};
+use super::paths::{OutputKind, Paths};
 use super::{
     Destination, ExrWriter, NpyWriter, PictureFile, PngError, Pyramid, PyramidFolder, RowPainter,
     SafeFile, Spool, trust_colours,
@@ -56,7 +56,7 @@ enum Complete {
 impl Sink {
     /// Begins an output; refuses at once one that cannot be created.
     fn begin(
-        output: Output,
+        output: OutputKind,
         path: &Path,
         document: &Document,
         size: [u32; 2],
@@ -68,18 +68,18 @@ impl Sink {
         let file = || SafeFile::create(&name).map_err(refused);
         let picture = || PictureFile::create(path, size, Some(document)).map_err(refused);
         Ok(match output {
-            Output::Picture if deep => {
+            OutputKind::Picture if deep => {
                 Sink::DeepPicture(PictureFile::create_deep(path, size, document).map_err(refused)?)
             }
-            Output::Picture => Sink::Picture(picture()?),
-            Output::Trust => Sink::Trust(picture()?),
-            Output::Pyramid => {
+            OutputKind::Picture => Sink::Picture(picture()?),
+            OutputKind::Trust => Sink::Trust(picture()?),
+            OutputKind::Pyramid => {
                 Sink::Pyramid(Box::new(Pyramid::create(path, size, document).map_err(refused)?))
             }
-            Output::Raw => {
+            OutputKind::Raw => {
                 Sink::Raw(NpyWriter::new(file()?, size, channels_of(document)).map_err(failed)?)
             }
-            Output::Exr => {
+            OutputKind::Exr => {
                 let spool = Spool::new(file()?).map_err(failed)?;
                 Sink::Exr(Box::new(ExrWriter::new(spool, size, document).map_err(failed)?))
             }
@@ -178,7 +178,7 @@ pub struct Sinks {
 impl Sinks {
     /// Opens every output.
     pub fn open(paths: &Paths, document: &Document, size: [u32; 2]) -> Result<Self, OutputError> {
-        let begin = |(output, path): (Output, &Path)| {
+        let begin = |(output, path): (OutputKind, &Path)| {
             Ok((Sink::begin(output, path, document, size)?, Destination::from(path)))
         };
         let open: Vec<_> = paths.outputs().map(begin).collect::<Result<_, OutputError>>()?;

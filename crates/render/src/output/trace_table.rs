@@ -61,3 +61,33 @@ impl Trace {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use flipmap_scene::Scene;
+
+    fn trace(until: &str, every: &str) -> Trace {
+        Trace::from_text(&Scene::default(), "3,3", until, every).unwrap()
+    }
+
+    #[test]
+    fn a_table_has_every_row_unless_it_is_stopped() {
+        let mut table = Vec::new();
+        trace("2", "0.5").write_table(&mut table, &|done, total| done <= total).unwrap();
+        assert_eq!(String::from_utf8(table).unwrap().lines().count(), 1 + 5);
+        let mut rows = 0;
+        let stopped = trace("2", "0.5").follow(&|done, _| done < 3, &mut |_| {
+            rows += 1;
+            Ok(())
+        });
+        assert!(matches!(stopped, Err(TraceError::Stopped)) && rows == 3, "{rows}");
+    }
+
+    #[test]
+    fn a_table_of_too_many_rows_is_refused() {
+        let refused = Trace::from_text(&Scene::default(), "3,3", "1e5", "1e-9");
+        let error = refused.err().unwrap().to_string();
+        assert!(error.starts_with("`every` is 1e-9;") && error.contains("1e14 rows"), "{error}");
+    }
+}

@@ -20,7 +20,7 @@ pub(super) enum WholeFormat {
 }
 
 /// The limits of a format.
-struct Limits {
+struct WholeLimits {
     /// Extension of its files.
     ending: &'static str,
     /// Longest side that it can hold, in pixels.
@@ -42,11 +42,11 @@ impl WholeFormat {
         }
     }
 
-    fn limits(self) -> Limits {
+    fn limits(self) -> WholeLimits {
         match self {
-            WholeFormat::Jpeg => Limits { ending: "jpg", longest: 65_535, is_deep: false },
-            WholeFormat::WebP => Limits { ending: "webp", longest: 16_383, is_deep: false },
-            WholeFormat::Tiff => Limits { ending: "tiff", longest: u32::MAX, is_deep: true },
+            WholeFormat::Jpeg => WholeLimits { ending: "jpg", longest: 65_535, is_deep: false },
+            WholeFormat::WebP => WholeLimits { ending: "webp", longest: 16_383, is_deep: false },
+            WholeFormat::Tiff => WholeLimits { ending: "tiff", longest: u32::MAX, is_deep: true },
         }
     }
 
@@ -72,7 +72,7 @@ impl WholeFormat {
 /// Refuses a name whose format cannot hold sixteen bits a channel.
 pub(super) fn check_depth(path: &Path) -> io::Result<()> {
     match WholeFormat::of(path)?.map(WholeFormat::limits) {
-        Some(Limits { ending, is_deep: false, .. }) => Err(io::Error::other(format!(
+        Some(WholeLimits { ending, is_deep: false, .. }) => Err(io::Error::other(format!(
             ".{ending} has no 16 bits (`bits`): name a .png or a .tiff"
         ))),
         _ => Ok(()),
@@ -97,7 +97,7 @@ impl WholePicture {
         size: [u32; 2],
         deep: bool,
     ) -> io::Result<Self> {
-        let Limits { ending, longest, .. } = format.limits();
+        let WholeLimits { ending, longest, .. } = format.limits();
         if size.into_iter().any(|side| side > longest) {
             return Err(io::Error::other(format!(
                 ".{ending} holds at most {longest} pixels along a side: name a .png or a .tiff"
