@@ -31,6 +31,7 @@ pub(super) fn asked() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
+#[cfg(feature = "window")]
 /// Returns an error once the user has asked to stop.
 pub(super) fn check() -> Result<(), Exit> {
     if asked() { Err(Exit::Interrupted) } else { Ok(()) }
