@@ -31,8 +31,8 @@ pub(super) fn asked() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-#[cfg(feature = "window")]
 /// Returns an error once the user has asked to stop.
+#[cfg(feature = "window")]
 pub(super) fn check() -> Result<(), Exit> {
     if asked() { Err(Exit::Interrupted) } else { Ok(()) }
 }

@@ -71,7 +71,7 @@ const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (&["--plane", "speeds", "--center", "1e9,0"], 2, &["--center", "coordinate", "1e6 rad/s"]),
     (&["--plane", "second", "--center", "0,1e9"], 2, &["--center", "1e6 rad/s"]),
     (&["--plane", "section", "--center", "0,1e9"], 2, &["--center", "1e6 kg m²/s"]),
-    (&["--plane", "speeds", "--width", "1e9"], 2, &["--width", "1e3 rad/s"]),
+    (&["--plane", "speeds", "--width", "1e9"], 2, &["--width", "1000 rad/s"]),
     (&["--width", "10deg", "--plane", "speeds"], 2, &["--width is '10deg'", "rad/s"]),
     (&["--center", "1,0.5pi", "--plane", "first"], 2, &["--center is '0.5pi'", "rad/s"]),
     (&["--plane", "speeds", "--origin", "1deg,0,1deg,0"], 2, &["--origin is '1deg'"]),

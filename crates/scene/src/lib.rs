@@ -136,7 +136,7 @@ impl PendulumSpec {
         }
         let gravity = self.gravity.value();
         let is_fine = gravity == 0.0 || Self::GRAVITIES.contains(&gravity);
-        Setting::Gravity.require(is_fine, &format!("{:?}", self.gravity))
+        Setting::Gravity.require(is_fine, &self.gravity)
     }
 
     /// Returns a frictionless pendulum with masses in kg, lengths in m and gravity in m/s².
@@ -243,7 +243,7 @@ impl Scene {
                  rest are answered",
                 between(&PendulumSpec::GRAVITIES)
             );
-            let value = format!("{:?}", self.build.gravity);
+            let value = self.build.gravity.to_string();
             return Err(SceneError::new(Setting::Gravity.name(), value, allowed));
         }
         Ok(self)

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::SceneError;
-use super::allowed::{between, named};
+use super::allowed::{between, in_a_row, named};
 use super::palette::{Ground, GroundTable, Palette, rise};
 use crate::question::{ChannelScale, Painted, QuestionName};
 pub use sampling::Sampling;
@@ -280,7 +280,7 @@ impl PictureTable {
                 Self::MAX_TIMES,
                 between(&Self::SECS)
             );
-            return refuse("times", format!("{:?}", self.times), &allowed);
+            return refuse("times", in_a_row(&self.times, "and"), &allowed);
         }
         Ok(())
     }

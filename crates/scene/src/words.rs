@@ -12,12 +12,18 @@ impl Scene {
     ) -> Result<Self, SceneError> {
         let words: Vec<_> = words.into_iter().collect();
         set_all(&mut self, &words)?;
-        for (setting, text) in words {
-            if let Some(allowed) = self.without_effect(setting) {
+        for (setting, text) in &words {
+            if let Some(allowed) = self.without_effect(*setting) {
                 return Err(SceneError::new(setting.name(), format!("'{text}'"), allowed));
             }
         }
-        self.checked()
+        self.checked().map_err(|mut error| {
+            let typed = words.iter().find(|(setting, _)| setting.name() == error.setting);
+            if let Some((_, text)) = typed {
+                error.value = format!("'{text}'");
+            }
+            error
+        })
     }
 
     /// Returns the reason why a setting has no effect on this scene, or `None` if it has an effect.
@@ -58,6 +64,13 @@ mod tests {
     use crate::BuiltIn;
     use crate::question::QuestionName;
     use flipmap_pendulum::Rule;
+
+    #[test]
+    fn a_refused_value_is_quoted_as_it_was_typed() {
+        let words = [(Setting::Stretch, "1e0"), (Setting::Budget, "-3e0")];
+        let error = Scene::default().with_words(words).unwrap_err();
+        assert!(error.to_string().starts_with("`budget` is '-3e0'; it must be"), "{error}");
+    }
 
     #[test]
     fn another_question_or_plane_leaves_out_what_it_does_not_have() {

@@ -77,14 +77,7 @@ impl AppModel {
                 actions.extend(done.into_iter().filter_map(|action| self.place(action)));
                 self.recent(ui, &mut actions);
             });
-            panels.show("Deeper", false, |ui| {
-                let DescentPath { running: descent, scenes } = &self.films.descent;
-                let view = descent::DescentView { going: descent.is_some(), scenes };
-                let done = descent_panel(ui, &view);
-                actions.extend(
-                    done.into_iter().filter_map(|action| self.films.deeper(action, &self.state)),
-                );
-            });
+            panels.show("Deeper", false, |ui| actions.extend(self.deeper_section(ui)));
             panels.show("Scene", false, |ui| {
                 let changed = scene_panel(ui, &self.state.scene());
                 actions.extend(changed.map(|scene| Action::Scene(Box::new(scene))));
@@ -120,6 +113,13 @@ impl AppModel {
             }
         });
         actions
+    }
+
+    /// Shows the panel of the automatic descent.
+    fn deeper_section(&mut self, ui: &mut Ui) -> Vec<Action> {
+        let DescentPath { running, scenes } = &self.films.descent;
+        let done = descent_panel(ui, &descent::DescentView { going: running.is_some(), scenes });
+        done.into_iter().filter_map(|action| self.films.deeper(action, &self.state)).collect()
     }
 
     /// Shows the film panel.

@@ -73,7 +73,7 @@ impl WholeFormat {
 pub(super) fn check_depth(path: &Path) -> io::Result<()> {
     match WholeFormat::of(path)?.map(WholeFormat::limits) {
         Some(WholeLimits { ending, is_deep: false, .. }) => Err(io::Error::other(format!(
-            ".{ending} has no 16 bits (`bits`): name a .png or a .tiff"
+            ".{ending} has no 16 bits a channel: name a .png or a .tiff"
         ))),
         _ => Ok(()),
     }
