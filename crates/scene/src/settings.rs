@@ -170,8 +170,8 @@ static TABLE: [SettingDef; 17] = [
         name: "kind",
         value_name: "KIND",
         help: || {
-            let kinds = in_a_row(&names_of(&Kind::ALL), "or");
-            format!("Kind of pendulum, of bobs on massless rods or of uniform bars: {kinds}")
+            let [points, rods] = Kind::ALL.map(|(name, _)| name);
+            format!("Kind of pendulum: {points} (bobs on massless rods) or {rods} (uniform bars)")
         },
         is_basic: false,
         names: || names_of(&Kind::ALL),
