@@ -325,7 +325,7 @@ fn forged_parts_and_plans_are_refused_by_name() {
     fs::write(at("f.toml"), format!("{head}sha256 = \"{digest}\"{tail}")).unwrap();
     for words in [&["verify", "f.toml"][..], &["merge", "f.toml", "-o", "f"]] {
         let error = refused(&folder, 2, words);
-        assert!(error.contains("--frames is 1000000; it must lie between 2 and 100000"), "{error}");
+        assert!(error.contains("`frames` is 1000000; it must lie between 2 and 100000"), "{error}");
     }
 }
 

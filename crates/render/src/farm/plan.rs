@@ -68,7 +68,7 @@ pub enum PlanError {
     )]
     Changed,
     /// A plan without exactly one still or film, or with one that is not valid.
-    #[error("holds {0}: plan it again")]
+    #[error("cannot be used: {0}; plan it again")]
     Inside(String),
 }
 
@@ -133,7 +133,10 @@ impl Plan {
     fn checked(mut self) -> Result<Self, PlanError> {
         if !(1..=Self::MAX_SHARDS).contains(&self.shards) {
             let most = Self::MAX_SHARDS;
-            return Err(PlanError::Inside(format!("{} shards, not 1 to {most}", self.shards)));
+            return Err(PlanError::Inside(format!(
+                "it has {} shards, not 1 to {most}",
+                self.shards
+            )));
         }
         let scene = |error: DocumentError| PlanError::Inside(error.to_string());
         match (&mut self.still, &mut self.film) {
@@ -149,7 +152,11 @@ impl Plan {
                 }
                 film.check().map_err(|error| PlanError::Inside(error.to_string()))?;
             }
-            _ => return Err(PlanError::Inside("neither a still nor a film, or both".to_string())),
+            _ => {
+                return Err(PlanError::Inside(
+                    "it holds neither a still nor a film, or both".to_string(),
+                ));
+            }
         }
         Ok(self)
     }
@@ -164,7 +171,7 @@ impl Plan {
         let spec = RunSpec::resolve(self.config.clone());
         match spec.map_err(|why| PlanError::Inside(why.to_string()))?.setting {
             IntegrationSetting::Explicit(config) => Ok(config),
-            _ => Err(PlanError::Inside("no configuration".to_string())),
+            _ => Err(PlanError::Inside("it names no configuration".to_string())),
         }
     }
 
