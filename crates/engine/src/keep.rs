@@ -41,7 +41,7 @@ impl Keep {
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
         if self.states && self.ends.are_carried() && config.precision == Precision::Dd {
             // Carried quantities are kept in f64.
-            let why = "growth and returns in dd cannot be continued: keep no state";
+            let why = "growth and returns in dd cannot be resumed, so their state cannot be saved";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         self.ends.check(config)
