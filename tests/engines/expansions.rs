@@ -95,7 +95,7 @@ mod checks {
         let job = Job { id: 0, question, config: FINEST, starts, keep };
         let error = gpu_engine().submit(job).unwrap_err().to_string();
         assert!(
-            error.contains("`method` taylor") && error.contains("graphics adapters"),
+            error.contains("the method taylor") && error.contains("graphics adapters"),
             "{error}"
         );
     }

@@ -351,7 +351,7 @@ mod checks {
             keep: Keep::NOTHING,
         });
         let message = error.unwrap_err().to_string();
-        assert!(message.contains("`precision` f64") && message.contains("sines"), "{message}");
+        assert!(message.contains("the precision f64") && message.contains("sines"), "{message}");
     }
 
     pub(crate) fn f32_without_compensation_still_works() {
