@@ -17,7 +17,7 @@ const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (
         &["--gravity", "0", "--plane", "speeds", "--ask", "state"],
         2,
-        &["--gravity is 0", "for this question and plane", "1e9 m/s²"],
+        &["--gravity is '0'", "for this question and plane", "1e9 m/s²"],
     ),
     (&["--width", "0"], 2, &["--width", "between"]),
     (&["--width", "-1"], 2, &["--width"]),

@@ -298,7 +298,7 @@ mod tests {
             ("`samples` is 9; it must be corners or lie", |p| p.samples = Sampling::Square(9)),
             ("`cycles` is 0; it must", |p| p.cycles = 0.0),
             ("`cycles` is NaN; it must", |p| p.cycles = f64::NAN),
-            ("`times` is [1.0]; it must be 2 to", |p| p.times = vec![1.0]),
+            ("`times` is 1; it must be 2 to", |p| p.times = vec![1.0]),
             ("each later", |p| p.times = vec![2.0, 1.0]),
             ("each later", |p| p.times = vec![1.0, 1.0 + f64::EPSILON]),
             ("`bits` is 12; it must be 8 or 16", |p| p.bits = 12),
