@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use flipmap_render::output::stop_writing_when;
 
+#[cfg(feature = "window")]
 use super::exit::Exit;
 
 static STOP: AtomicBool = AtomicBool::new(false);
