@@ -54,7 +54,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     match shown {
         Err(why @ WindowError::Host(_)) => Err(Exit::Unavailable(why.to_string()).into()),
         Err(why) => Err(why.into()),
-        Ok(()) => Ok(stop::check()?),
+        Ok(()) if stop::asked() => Err(Exit::Interrupted.into()),
+        Ok(()) => Ok(()),
     }
 }
 

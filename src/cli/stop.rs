@@ -7,9 +7,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use flipmap_render::output::stop_writing_when;
 
-#[cfg(feature = "window")]
-use super::exit::Exit;
-
 static STOP: AtomicBool = AtomicBool::new(false);
 
 /// Installs a handler that remembers signals instead of letting them end the program.
@@ -30,10 +27,4 @@ pub(super) fn listen_and(wake: impl Fn() + Send + 'static) -> anyhow::Result<()>
 /// Returns true if the user has asked to stop.
 pub(super) fn asked() -> bool {
     STOP.load(Ordering::Relaxed)
-}
-
-/// Returns an error once the user has asked to stop.
-#[cfg(feature = "window")]
-pub(super) fn check() -> Result<(), Exit> {
-    if asked() { Err(Exit::Interrupted) } else { Ok(()) }
 }

@@ -19,9 +19,17 @@ pub(crate) fn closest<'a>(
 
 /// Returns the value called `typed` in a closed set, or a phrase that lists the set.
 pub fn named<T: Copy>(what: &str, set: &[(&'static str, T)], typed: &str) -> Result<T, String> {
-    let found = set.iter().find(|(name, _)| *name == typed);
-    let names = || set.iter().map(|(name, _)| *name).collect::<Vec<_>>();
-    found.map(|(_, value)| *value).ok_or_else(|| not_among(what, &names(), typed))
+    known(set, typed).ok_or_else(|| not_among(what, &names_of(set), typed))
+}
+
+/// Returns the value with this name in a closed set.
+pub(crate) fn known<T: Copy>(set: &[(&str, T)], name: &str) -> Option<T> {
+    set.iter().find(|(other, _)| *other == name).map(|(_, value)| *value)
+}
+
+/// Returns the names of a closed set.
+pub(crate) fn names_of<T>(set: &[(&'static str, T)]) -> Vec<&'static str> {
+    set.iter().map(|(name, _)| *name).collect()
 }
 
 /// Returns a phrase that lists a closed set, with the name that a mistyped one may stand for.

@@ -1,7 +1,7 @@
 //! The table of a scene's settings: the one place that gives each its name, its help, its range, and
 //! its text. Options, locations and the errors of files and panels are made from it.
 
-use super::allowed::{between, did_you_mean, in_a_row, listed};
+use super::allowed::{between, did_you_mean, in_a_row, known, listed, names_of};
 use super::question::QuestionName;
 use super::{Axis, Budget, Kind, PendulumSpec, Plane, PlaneKind, QuestionSettings, Scene};
 use super::{MIN_WIDTH, SceneError, View};
@@ -363,16 +363,6 @@ impl Setting {
 fn put<T>(place: &mut T, value: T) -> Option<()> {
     *place = value;
     Some(())
-}
-
-/// Returns the names of a closed set.
-fn names_of<T>(set: &[(&'static str, T)]) -> Vec<&'static str> {
-    set.iter().map(|(name, _)| *name).collect()
-}
-
-/// Returns the value with this name.
-fn known<T: Copy>(set: &[(&str, T)], text: &str) -> Option<T> {
-    set.iter().find(|(name, _)| *name == text).map(|(_, value)| *value)
 }
 
 fn number(text: &str) -> Option<f64> {

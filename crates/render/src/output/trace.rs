@@ -9,7 +9,7 @@ use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::passes::{Pass, passes_in};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};
 use flipmap_pendulum::{Pendulum, Rule, State};
-use flipmap_scene::{Scene, SceneError, in_rad};
+use flipmap_scene::{Budget, Scene, SceneError, between, in_rad};
 
 /// The result of [`Trace::advance`].
 pub(super) enum Advance {
@@ -172,8 +172,8 @@ const MAX_ROWS: f64 = 1e8;
 
 /// Reads a time in s.
 fn secs_from_text(setting: &'static str, text: &str) -> Result<Dd, SceneError> {
-    Dd::parse(text).filter(|time| (1e-9..=1e6).contains(&time.hi)).ok_or_else(|| {
-        let range = "it must be a number of seconds between 1e-9 and 1e6";
+    Dd::parse(text).filter(|time| Budget::SECS.contains(&time.hi)).ok_or_else(|| {
+        let range = format!("it must be a number of seconds {}", between(&Budget::SECS));
         SceneError::new(setting, format!("'{text}'"), range)
     })
 }
