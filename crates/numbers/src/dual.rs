@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::real::{Angle, Real};
+use crate::real::{Angle, Real, array_of};
 
 /// A number whose leading part, of type `S`, is precise enough for computing derivatives.
 pub trait Narrow<S>: Real {
@@ -38,13 +38,13 @@ impl<const N: usize, T: Narrow<S>, S: Real> Dual<N, T, S> {
     /// The number f(x, y) = `value` with ∂f/∂x = `by_x` and ∂f/∂y = `by_y`.
     #[inline(always)]
     fn of(value: T, by_x: S, x: &Self, by_y: S, y: &Self) -> Self {
-        Dual { value, slope: std::array::from_fn(|i| by_x * x.slope[i] + by_y * y.slope[i]) }
+        Dual { value, slope: array_of(|i| by_x * x.slope[i] + by_y * y.slope[i]) }
     }
 
     /// The number f(x) = `value` with df/dx = `by`.
     #[inline(always)]
     fn at(value: T, by: S, x: &Self) -> Self {
-        Dual { value, slope: x.slope.map(|slope| by * slope) }
+        Dual { value, slope: array_of(|i| by * x.slope[i]) }
     }
 }
 
@@ -52,7 +52,7 @@ impl<const N: usize, T: Narrow<S>, S: Real> Add for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, y: Self) -> Self {
-        let slope = std::array::from_fn(|i| self.slope[i] + y.slope[i]);
+        let slope = array_of(|i| self.slope[i] + y.slope[i]);
         Dual { value: self.value + y.value, slope }
     }
 }
@@ -61,7 +61,7 @@ impl<const N: usize, T: Narrow<S>, S: Real> Sub for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, y: Self) -> Self {
-        let slope = std::array::from_fn(|i| self.slope[i] - y.slope[i]);
+        let slope = array_of(|i| self.slope[i] - y.slope[i]);
         Dual { value: self.value - y.value, slope }
     }
 }
@@ -88,7 +88,7 @@ impl<const N: usize, T: Narrow<S>, S: Real> Neg for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Dual { value: -self.value, slope: self.slope.map(|slope| -slope) }
+        Dual { value: -self.value, slope: array_of(|i| -self.slope[i]) }
     }
 }
 
@@ -106,9 +106,7 @@ impl<const N: usize, T: Narrow<S>, S: Real> Real for Dual<N, T, S> {
         let value = self.value.lit(weight);
         self.value = other.value * value + self.value;
         let weight = value.narrow();
-        for (slope, other) in self.slope.iter_mut().zip(&other.slope) {
-            *slope = weight * *other + *slope;
-        }
+        self.slope = array_of(|i| weight * other.slope[i] + self.slope[i]);
     }
 }
 

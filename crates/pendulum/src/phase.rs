@@ -55,15 +55,26 @@ impl<T: Real> Pendulum<T> {
 #[inline(always)]
 pub fn rk4<T: Real>(pendulum: &Pendulum<T>, before: &Phase<T>, length: T) -> Phase<T> {
     let half = length * length.lit(0.5);
-    let from = |slope: &Phase<T>, by: T| -> Phase<T> {
-        std::array::from_fn(|i| before[i] + slope[i] * by)
-    };
     let k1 = pendulum.derivative(before);
-    let k2 = pendulum.derivative(&from(&k1, half));
-    let k3 = pendulum.derivative(&from(&k2, half));
-    let k4 = pendulum.derivative(&from(&k3, length));
+    let k2 = pendulum.derivative(&moved(before, &k1, half));
+    let k3 = pendulum.derivative(&moved(before, &k2, half));
+    let k4 = pendulum.derivative(&moved(before, &k3, length));
     let (two, sixth) = (length.lit(2.0), length * length.lit(1.0 / 6.0));
-    std::array::from_fn(|i| before[i] + (k1[i] + two * (k2[i] + k3[i]) + k4[i]) * sixth)
+    let mut after = *before;
+    for i in 0..6 {
+        after[i] = before[i] + (k1[i] + two * (k2[i] + k3[i]) + k4[i]) * sixth;
+    }
+    after
+}
+
+/// Computes `phase + by · slope`.
+#[inline(always)]
+fn moved<T: Real>(phase: &Phase<T>, slope: &Phase<T>, by: T) -> Phase<T> {
+    let mut moved = *phase;
+    for i in 0..6 {
+        moved[i] = phase[i] + slope[i] * by;
+    }
+    moved
 }
 
 impl<T: Real> Pendulum<T> {

@@ -27,6 +27,7 @@
 //!   unless it is used only as the term of another, because terms that cancel can leave a first
 //!   part no larger than the second.
 //! * Error terms of sums pass through `guard`, because drivers fold them to zero otherwise.
+//! * Operators are not inlined: a step has thousands, and it is recorded once.
 //! * Every value is a scalar, which on software Vulkan is three times faster than the same maths in
 //!   structs.
 
@@ -102,11 +103,13 @@ pub(crate) fn write_maths(
 }
 
 /// The shader variable `name`.
+#[inline(never)]
 pub(crate) fn variable(name: &'static str) -> Symbol {
     push(SymbolNode::Variable(name))
 }
 
 /// A known number.
+#[inline(never)]
 pub(crate) fn literal(value: f64) -> Symbol {
     push(SymbolNode::Literal(value.to_bits()))
 }
@@ -161,6 +164,7 @@ impl Symbol {
 
 impl Add for Symbol {
     type Output = Symbol;
+    #[inline(never)]
     fn add(self, other: Symbol) -> Symbol {
         match (self.value(), other.value()) {
             (Some(a), Some(b)) => literal(a + b),
@@ -176,6 +180,7 @@ impl Add for Symbol {
 
 impl Sub for Symbol {
     type Output = Symbol;
+    #[inline(never)]
     fn sub(self, other: Symbol) -> Symbol {
         match (self.value(), other.value()) {
             (Some(a), Some(b)) => literal(a - b),
@@ -191,6 +196,7 @@ impl Sub for Symbol {
 
 impl Mul for Symbol {
     type Output = Symbol;
+    #[inline(never)]
     fn mul(self, other: Symbol) -> Symbol {
         match (self.value(), other.value()) {
             (Some(a), Some(b)) => literal(a * b),
@@ -214,6 +220,7 @@ impl Symbol {
 
 impl Div for Symbol {
     type Output = Symbol;
+    #[inline(never)]
     fn div(self, other: Symbol) -> Symbol {
         match (self.value(), other.value()) {
             (Some(a), Some(b)) => literal(a / b),
@@ -225,6 +232,7 @@ impl Div for Symbol {
 
 impl Neg for Symbol {
     type Output = Symbol;
+    #[inline(never)]
     fn neg(self) -> Symbol {
         match (self.value(), self.negated()) {
             (Some(a), _) => literal(-a),
@@ -235,12 +243,14 @@ impl Neg for Symbol {
 }
 
 impl Real for Symbol {
+    #[inline(never)]
     fn lit(self, value: f64) -> Self {
         literal(value)
     }
 
     /// Records a product and a sum, because drivers fuse the two by themselves where they can.
     /// Pairs of f32 have one function for both.
+    #[inline(never)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
         let is_pair = with_tape(|tape| tape.dialect.precision == Precision::Df32);
         let is_short = |factor: Symbol| matches!(factor.value(), Some(0.0 | 1.0 | -1.0));
