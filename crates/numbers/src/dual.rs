@@ -3,7 +3,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::real::{Angle, Real, array_of};
+use crate::real::{Angle, Real};
 
 /// A number whose leading part, of type `S`, is precise enough for computing derivatives.
 pub trait Narrow<S>: Real {
@@ -18,14 +18,33 @@ impl<T: Real> Narrow<T> for T {
     }
 }
 
-/// A value, or a register of values, and its derivatives along `N` directions, which may have fewer
-/// digits.
+/// A value, or a register of values, and its derivatives along `N` directions, at most four, which may
+/// have fewer digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<const N: usize, T = f64, S = T> {
     /// Value of the number.
     pub value: T,
     /// Derivatives of the value.
     pub slope: [S; N],
+}
+
+/// The array of `entry(0)` to `entry(N - 1)`, for at most four directions. Unlike
+/// [`std::array::from_fn`] it is always compiled into its caller, without a loop: registers of SIMD
+/// lanes need that, and it is less than half the work for the compiler.
+#[inline(always)]
+fn per_direction<S: Copy, const N: usize>(mut entry: impl FnMut(usize) -> S) -> [S; N] {
+    const { assert!(0 < N && N <= 4) };
+    let mut array = [entry(0); N];
+    if N > 1 {
+        array[1] = entry(1);
+    }
+    if N > 2 {
+        array[2] = entry(2);
+    }
+    if N > 3 {
+        array[3] = entry(3);
+    }
+    array
 }
 
 impl<const N: usize, T: Narrow<S>, S: Real> Dual<N, T, S> {
@@ -38,13 +57,13 @@ impl<const N: usize, T: Narrow<S>, S: Real> Dual<N, T, S> {
     /// The number f(x, y) = `value` with ∂f/∂x = `by_x` and ∂f/∂y = `by_y`.
     #[inline(always)]
     fn of(value: T, by_x: S, x: &Self, by_y: S, y: &Self) -> Self {
-        Dual { value, slope: array_of(|i| by_x * x.slope[i] + by_y * y.slope[i]) }
+        Dual { value, slope: per_direction(|i| by_x * x.slope[i] + by_y * y.slope[i]) }
     }
 
     /// The number f(x) = `value` with df/dx = `by`.
     #[inline(always)]
     fn at(value: T, by: S, x: &Self) -> Self {
-        Dual { value, slope: array_of(|i| by * x.slope[i]) }
+        Dual { value, slope: per_direction(|i| by * x.slope[i]) }
     }
 }
 
@@ -52,7 +71,7 @@ impl<const N: usize, T: Narrow<S>, S: Real> Add for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, y: Self) -> Self {
-        let slope = array_of(|i| self.slope[i] + y.slope[i]);
+        let slope = per_direction(|i| self.slope[i] + y.slope[i]);
         Dual { value: self.value + y.value, slope }
     }
 }
@@ -61,7 +80,7 @@ impl<const N: usize, T: Narrow<S>, S: Real> Sub for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, y: Self) -> Self {
-        let slope = array_of(|i| self.slope[i] - y.slope[i]);
+        let slope = per_direction(|i| self.slope[i] - y.slope[i]);
         Dual { value: self.value - y.value, slope }
     }
 }
@@ -88,7 +107,7 @@ impl<const N: usize, T: Narrow<S>, S: Real> Neg for Dual<N, T, S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Dual { value: -self.value, slope: array_of(|i| -self.slope[i]) }
+        Dual { value: -self.value, slope: per_direction(|i| -self.slope[i]) }
     }
 }
 
@@ -106,7 +125,7 @@ impl<const N: usize, T: Narrow<S>, S: Real> Real for Dual<N, T, S> {
         let value = self.value.lit(weight);
         self.value = other.value * value + self.value;
         let weight = value.narrow();
-        self.slope = array_of(|i| weight * other.slope[i] + self.slope[i]);
+        self.slope = per_direction(|i| weight * other.slope[i] + self.slope[i]);
     }
 }
 

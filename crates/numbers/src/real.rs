@@ -45,37 +45,6 @@ pub trait Real:
     }
 }
 
-/// The array of `entry(0)` to `entry(N - 1)`, for at most eight. Unlike [`std::array::from_fn`] it is
-/// always compiled into its caller, without a loop: numbers in registers need that, and it is less
-/// than half the work for the compiler.
-#[inline(always)]
-pub fn array_of<T: Copy, const N: usize>(mut entry: impl FnMut(usize) -> T) -> [T; N] {
-    const { assert!(0 < N && N <= 8) };
-    let mut array = [entry(0); N];
-    if N > 1 {
-        array[1] = entry(1);
-    }
-    if N > 2 {
-        array[2] = entry(2);
-    }
-    if N > 3 {
-        array[3] = entry(3);
-    }
-    if N > 4 {
-        array[4] = entry(4);
-    }
-    if N > 5 {
-        array[5] = entry(5);
-    }
-    if N > 6 {
-        array[6] = entry(6);
-    }
-    if N > 7 {
-        array[7] = entry(7);
-    }
-    array
-}
-
 /// A number that has a sine and a cosine. Pairs of lanes and of f32 have none, and run without
 /// angles.
 pub trait Angle: Real {
