@@ -50,4 +50,13 @@ fn root_of(x: Real) -> Real {
 fn is_less(a: Real, b: Real) -> bool {
     return a < b;
 }
+
+{% if not adaptive %}
+// The time at which the first of `steps` whole steps began. Times are products, because the sum of
+// so many steps would drift; the product is guarded, because drivers fuse it with the difference,
+// and the moments would depend on where a slice ends.
+fn release_before(time: Real, steps: u32, h: Real, zero: u32) -> Real {
+    return time - guard(real(f32(steps)) * h, zero);
+}
+{% endif %}
 {% endif %}

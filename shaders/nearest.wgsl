@@ -14,16 +14,11 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     // The last fixed step may be cut in two by rounding, and f32 rounds long times.
     let most_steps = job.most_steps + 2u + job.most_steps / 256u;
 {% if not adaptive %}
-    let first = steps;
-    let begun = time;
+    let released = release_before(time, steps, h, zero);
 {% endif %}
     let stop = min(steps + job.slice_steps, most_steps);
     var suspect = false;
     while !suspect && steps < stop && rough(time) < job.budget {
-{% if not adaptive %}
-        // Uses a product, because the sum of so many steps would drift.
-        time = begun + real(f32(steps - first)) * h;
-{% endif %}
         let step = length_within(h, time, zero);
 {{ maths.step }}
 {% if adaptive %}
@@ -45,6 +40,9 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
         h = select(real(next_length(rough(step), excess)), h, suspect);
 {% endif %}
         steps += select(1u, 0u, suspect);
+{% if not adaptive %}
+        time = select(time, released + real(f32(steps)) * h, taken && step == h);
+{% endif %}
     }
 {% for name in state %}
     states[{{ loop.index0 }}u * job.count + pixel] = {{ name }};
@@ -93,6 +91,11 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
             nearest_after = select(nearest, distance, nearer);
         }
     }
+{% if not adaptive %}
+    let steps = outcomes[pixel].steps;
+    let whole_after = release_before(time, steps, h, zero) + real(f32(steps + 1u)) * h;
+    time_after = select(time_after, whole_after, whole == h);
+{% endif %}
 {% for name in state %}
     states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_after;
 {% endfor %}

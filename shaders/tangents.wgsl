@@ -14,15 +14,10 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     // The last fixed step may be cut in two by rounding, and f32 rounds long times.
     let most_steps = job.most_steps + 2u + job.most_steps / 256u;
 {% if not adaptive %}
-    let first = steps;
-    let begun = time;
+    let released = release_before(time, steps, h, zero);
 {% endif %}
     let stop = min(steps + job.slice_steps, most_steps);
     while steps < stop && rough(time) < job.budget {
-{% if not adaptive %}
-        // Uses a product, because the sum of so many steps would drift.
-        time = begun + real(f32(steps - first)) * h;
-{% endif %}
         let step = length_within(h, time, zero);
 {{ maths.step }}
 {% if adaptive %}
@@ -46,6 +41,9 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
             log_scale = sum_of(log_scale, real(LOG_LARGE), zero);
         }
         steps += 1u;
+{% if not adaptive %}
+        time = select(time, released + real(f32(steps)) * h, step == h);
+{% endif %}
     }
 {% for name in state %}
     states[{{ loop.index0 }}u * job.count + pixel] = {{ name }};

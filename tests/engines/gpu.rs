@@ -13,7 +13,7 @@ use flipmap_engine::gpu::{GpuEngine, MAX_KERNELS};
 use flipmap_engine::level::{BALANCED_DF32, FAST_TO_COMPILE, FINEST};
 use flipmap_engine::{
     Accuracy, Engine, EngineError, EngineKind, EventSpec, GpuTuning, IntegratorConfig, Job, Keep,
-    Method, Precision, Starts, Wait,
+    Method, Precision, Starts, Wait, WantedEnds,
 };
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
@@ -30,6 +30,7 @@ needs_adapter! {
     checks:
     the_two_engines_agree_on_early_flips
     the_length_of_slices_changes_nothing
+    slices_end_growth_and_returns_in_the_same_numbers
     several_slices_in_a_submission_take_the_same_steps
     used_buffers_and_other_settings_change_no_answer
     an_engine_on_its_own_thread_gives_the_same_answers_and_tells_what_it_did
@@ -84,6 +85,24 @@ mod checks {
                 answers(&mut engine, &question, config, &starts)
             });
             assert_eq!(outcomes[0], outcomes[1], "{config:?}");
+        }
+    }
+
+    pub(crate) fn slices_end_growth_and_returns_in_the_same_numbers() {
+        let question = EventSpec { rule: Rule::Neither, ..question(&Scene::default()) };
+        let starts = open_starts(&Scene::default(), 24, 1);
+        for ends in [WantedEnds::Growth, WantedEnds::Return] {
+            for config in configs().into_iter().filter(|config| *config != FINEST) {
+                let results = [1, 1_000_000].map(|pace| {
+                    let mut engine = gpu_engine();
+                    engine.set_pace(Duration::from_micros(pace));
+                    let starts = Starts::Rest(starts.clone());
+                    let keep = Keep { ends, states: false };
+                    engine.submit(Job { id: 7, question, config, starts, keep }).unwrap();
+                    engine.poll(Wait::UntilFinished).unwrap().remove(0)
+                });
+                assert_eq!(results[0].ends, results[1].ends, "{ends:?} {config:?}");
+            }
         }
     }
 
