@@ -51,6 +51,13 @@ fn is_less(a: Real, b: Real) -> bool {
     return a < b;
 }
 
+{% if doubles %}
+// A rounded value that no optimiser sees through.
+fn guard(x: Real, zero: u32) -> Real {
+    return x + f64(zero);
+}
+
+{% endif %}
 {% if not adaptive %}
 // The time at which the first of `steps` whole steps began. Times are products, because the sum of
 // so many steps would drift; the product is guarded, because drivers fuse it with the difference,

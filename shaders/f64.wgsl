@@ -25,8 +25,3 @@ fn to_parts(x: Real) -> vec2<f32> {
 fn finite(x: Real) -> bool {
     return (bitcast<u32>(f32(x)) & 0x7f800000u) != 0x7f800000u;
 }
-
-// A rounded value that no optimiser sees through.
-fn guard(x: Real, zero: u32) -> Real {
-    return x + f64(zero);
-}

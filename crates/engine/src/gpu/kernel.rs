@@ -220,6 +220,7 @@ impl Design {
             general: self.scene.is_none(),
             adaptive: self.is_adaptive(),
             compensated: self.compensated,
+            doubles: self.precision == Precision::F64,
             subgroups: self.subgroups,
             moving: self.moving(),
             pairs: PairValues::new(self.precision, self.pairs),

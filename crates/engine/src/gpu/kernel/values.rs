@@ -15,6 +15,8 @@ pub(super) struct Values {
     pub(super) general: bool,
     pub(super) adaptive: bool,
     pub(super) compensated: bool,
+    /// True if numbers are f64.
+    pub(super) doubles: bool,
     pub(super) subgroups: bool,
     pub(super) state: Vec<&'static str>,
     pub(super) moving: Vec<&'static str>,
