@@ -59,10 +59,15 @@ fn guard(x: Real, zero: u32) -> Real {
 
 {% endif %}
 {% if not adaptive %}
-// The time at which the first of `steps` whole steps began. Times are products, because the sum of
-// so many steps would drift; the product is guarded, because drivers fuse it with the difference,
-// and the moments would depend on where a slice ends.
-fn release_before(time: Real, steps: u32, h: Real, zero: u32) -> Real {
+// The time after `steps` whole steps from `begun`: a product, because the sum of so many steps would
+// drift.
+fn time_after_steps(begun: Real, steps: u32, h: Real) -> Real {
+    return begun + real(f32(steps)) * h;
+}
+
+// The time at which the steps began that `time_after_steps` counts, so that times do not depend on
+// where a slice ends. The product is guarded, because drivers fuse it with the difference.
+fn begun_before_steps(time: Real, steps: u32, h: Real, zero: u32) -> Real {
     return time - guard(real(f32(steps)) * h, zero);
 }
 {% endif %}

@@ -14,7 +14,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     // The last fixed step may be cut in two by rounding, and f32 rounds long times.
     let most_steps = job.most_steps + 2u + job.most_steps / 256u;
 {% if not adaptive %}
-    let released = release_before(time, steps, h, zero);
+    let begun = begun_before_steps(time, steps, h, zero);
 {% endif %}
     let stop = min(steps + job.slice_steps, most_steps);
     var suspect = false;
@@ -41,7 +41,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% endif %}
         steps += select(1u, 0u, suspect);
 {% if not adaptive %}
-        time = select(time, released + real(f32(steps)) * h, taken && step == h);
+        time = select(time, time_after_steps(begun, steps, h), taken && step == h);
 {% endif %}
     }
 {% for name in state %}
@@ -93,8 +93,8 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 {% if not adaptive %}
     let steps = outcomes[pixel].steps;
-    let whole_after = release_before(time, steps, h, zero) + real(f32(steps + 1u)) * h;
-    time_after = select(time_after, whole_after, whole == h);
+    let begun = begun_before_steps(time, steps, h, zero);
+    time_after = select(time_after, time_after_steps(begun, steps + 1u, h), whole == h);
 {% endif %}
 {% for name in state %}
     states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_after;

@@ -14,7 +14,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     // The last fixed step may be cut in two by rounding, and f32 rounds long times.
     let most_steps = job.most_steps + 2u + job.most_steps / 256u;
 {% if not adaptive %}
-    let released = release_before(time, steps, h, zero);
+    let begun = begun_before_steps(time, steps, h, zero);
 {% endif %}
     let stop = min(steps + job.slice_steps, most_steps);
     while steps < stop && rough(time) < job.budget {
@@ -42,7 +42,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         steps += 1u;
 {% if not adaptive %}
-        time = select(time, released + real(f32(steps)) * h, step == h);
+        time = select(time, time_after_steps(begun, steps, h), step == h);
 {% endif %}
     }
 {% for name in state %}
