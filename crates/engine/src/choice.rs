@@ -141,7 +141,7 @@ pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Ch
     let chosen = match (request.kind, &request.adapter) {
         (Some(EngineKind::Cpu), _) => cpu(request, "asked for".to_string())?,
         (Some(EngineKind::Gpu), _) | (None, Some(_)) => first_trusted(request)?
-            .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use the engine cpu")))?,
+            .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use the cpu engine")))?,
         (None, None) => automatic(request, tell)?,
     };
     let engine = DepthEngine::new(chosen.engine, threads_beside(request.threads))?

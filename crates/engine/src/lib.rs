@@ -269,7 +269,7 @@ impl Wait {
 #[derive(Debug, thiserror::Error)]
 pub enum EngineError {
     /// A buffer could not be allocated.
-    #[error("the device has no room for {mib} MiB more; use a smaller size, or the engine cpu")]
+    #[error("the device has no room for {mib} MiB more; use a smaller size or the cpu engine")]
     OutOfMemory {
         /// Size of the buffer in MiB.
         mib: u64,
@@ -296,7 +296,7 @@ pub enum EngineError {
     /// A device finished a job without finishing all its pendulums.
     #[error(
         "the graphics device lost {lost} of {count} pendulums of a job; its answers cannot be \
-         trusted; use the engine cpu"
+         trusted; use the cpu engine"
     )]
     LostPendulums {
         /// Number of pendulums without an answer.

@@ -128,7 +128,7 @@ fn fitting(field: &BackendFilter) -> Result<Vec<Adapter>, ChoiceError> {
     }
     let found = adapters::matching(field.adapter.as_deref())?;
     if found.is_empty() && (field.only_gpu || field.adapter.is_some()) {
-        return Err(ChoiceError::NoAdapter(format!("{INSTALL_HINT}; or use the engine cpu")));
+        return Err(ChoiceError::NoAdapter(format!("{INSTALL_HINT}; or use the cpu engine")));
     }
     Ok(found)
 }

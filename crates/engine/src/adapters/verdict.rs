@@ -46,7 +46,7 @@ impl Verdict {
         match self.checks.iter().find(failed) {
             None => Ok(()),
             Some(check) => Err(format!(
-                "this adapter is not trusted with the method taylor: {BY_SERIES} ({}); use the engine cpu",
+                "this adapter is not trusted with the method taylor: {BY_SERIES} ({}); use the cpu engine",
                 check.detail
             )),
         }
@@ -64,7 +64,7 @@ impl Verdict {
             return Ok(());
         }
         if precision == Precision::Dd {
-            return Err("graphics adapters have no dd; use the engine cpu".to_string());
+            return Err("graphics adapters have no dd; use the cpu engine".to_string());
         }
         let failed: Vec<String> = self
             .checks

@@ -87,15 +87,15 @@ impl AccuracyEstimate {
     pub fn warning(&self) -> Option<String> {
         if self.opinion.contradicted > 0 {
             return Some(format!(
-                "{} of {} pixels that were integrated directly contradict the picture: the accuracy exact \
-                 marks what is wrong; please report this view",
+                "{} of {} pixels that were integrated directly contradict the picture: accuracy exact marks \
+                 what is wrong; please report this view",
                 self.opinion.contradicted, self.opinion.asked
             ));
         }
         (self.expected_right() < ENOUGH).then(|| {
             format!(
                 "about {:.0} % of the simulated pixels are beyond the horizon, where errors have \
-                 grown too large: the accuracy exact decides or marks them, a smaller budget leaves \
+                 grown too large: accuracy exact decides or marks them, and a smaller budget leaves \
                  them out",
                 100.0 * (1.0 - self.expected_right())
             )

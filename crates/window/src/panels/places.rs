@@ -188,7 +188,7 @@ fn change(ui: &mut Ui, name: &str, form: &mut PlaceForm, actions: &mut Vec<Place
             info
         });
         let (new, entered) = (new.trim().to_string(), entered(ui, &field));
-        if named(ui, "Rename", &format!("Rename {name} so")) || entered {
+        if named(ui, "Rename", &format!("Rename {name} to this")) || entered {
             actions.push(PlaceAction::Rename(name.to_string(), new));
             form.renaming = None;
         }

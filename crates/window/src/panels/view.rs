@@ -79,7 +79,7 @@ pub(crate) fn view_panel(
     let mut asked = false;
     ui.horizontal(|ui| {
         asked = ui.add_enabled(view.is_ok(), egui::Button::new("Go there")).clicked();
-        if ui.button("Leave it").clicked() {
+        if ui.button("Cancel").clicked() {
             form.typed = None;
         }
     });
