@@ -74,6 +74,10 @@ pub(super) struct PictureOptions {
     /// unflipped=#101018,forbidden=#303038,curve=#ffffff (default: what suits the palette)
     #[arg(hide_short_help = true, long, value_name = "NAME=#rrggbb,...")]
     colours: Option<String>,
+    /// Keep the grain of unresolved chaos (default: it is smoothed along its bands; arrays and counts
+    /// are the same)
+    #[arg(hide_short_help = true, long)]
+    no_denoise: bool,
     /// Leave out the energy curve
     #[arg(hide_short_help = true, long)]
     no_curve: bool,
@@ -185,6 +189,7 @@ impl PictureOptions {
         set(&mut samples, "--samples", &self.samples, samples_of)?;
         (picture.samples, picture.adaptive) = samples;
         picture.curve &= !self.no_curve;
+        picture.denoise &= !self.no_denoise;
         picture.legend |= self.legend;
         picture.reverse |= self.reverse;
         if let Some(text) = &self.colours {

@@ -25,6 +25,7 @@
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
+mod denoise;
 pub mod farm;
 pub mod film;
 pub mod output;

@@ -26,6 +26,9 @@ pub struct PictureTable {
     /// True if a pixel that looks like all its neighbours gets only one of its several samples.
     #[serde(skip_serializing_if = "is_default")]
     pub adaptive: bool,
+    /// True if the grain of unresolved chaos is smoothed along its bands.
+    #[serde(skip_serializing_if = "is_true")]
+    pub denoise: bool,
     /// True if late flips have the palette's first colour.
     #[serde(skip_serializing_if = "is_default")]
     pub reverse: bool,
@@ -73,6 +76,7 @@ impl Default for PictureTable {
             curve: true,
             samples: Sampling::default(),
             adaptive: false,
+            denoise: true,
             reverse: false,
             cycles: 1.0,
             mirror: false,
@@ -91,6 +95,11 @@ impl Default for PictureTable {
 
 fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
+fn is_true(value: &bool) -> bool {
+    *value
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde calls")]
@@ -161,6 +170,8 @@ impl PictureTable {
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=8;
     /// Samples per pixel along each axis where colours change, in adaptive sampling.
     pub const ADAPTIVE: u32 = 3;
+    /// Samples per pixel along each axis up to which grain is smoothed.
+    const DENOISED: u32 = 3;
     /// Largest number of pixels of a picture that is sampled adaptively, because all are held in
     /// memory at once.
     const MAX_ADAPTIVE_PIXELS: u64 = 1 << 25;
@@ -225,6 +236,11 @@ impl PictureTable {
     /// Returns true if all pixels of a picture can be held in memory at once.
     fn fits_adaptive(size: [u32; 2]) -> bool {
         size.into_iter().map(u64::from).product::<u64>() <= Self::MAX_ADAPTIVE_PIXELS
+    }
+
+    /// Returns true if grain is smoothed. Pixels with many samples have little, and more to lose.
+    pub fn denoises(&self) -> bool {
+        self.denoise && self.samples.along() <= Self::DENOISED
     }
 
     /// Returns the part of a question's answers that is shown.
@@ -354,6 +370,7 @@ mod tests {
             light: 90.0,
             samples: Sampling::Square(3),
             adaptive: true,
+            denoise: false,
             ..PictureTable::default()
         };
         assert_eq!(toml::from_str::<PictureTable>(&toml::to_string(&rich).unwrap()).unwrap(), rich);

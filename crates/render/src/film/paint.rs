@@ -14,10 +14,11 @@ use super::Mip;
 use super::layer::{Layer, UsedLight};
 use super::lit_frame::LitFrame;
 use super::mip::Light;
+use crate::denoise::Denoiser;
 use crate::output::{CurveBand, blended};
 use crate::tiles::patches::{SLACK, Sight, patch_pitch_rad};
 use flipmap_scene::film::Shot;
-use flipmap_scene::palette::{Ground, Relief, Rgb, encoded};
+use flipmap_scene::palette::{Ground, Relief, Rgb, Tint, encoded, rounded, tint_of};
 use flipmap_scene::{Grid, PictureTable};
 
 /// Colour of starts that have not flipped yet while the clock runs.
@@ -30,6 +31,7 @@ const MAX_LIGHT: f32 = 65535.0;
 pub(crate) struct FramePainter {
     size: [u32; 2],
     samples: u32,
+    denoiser: Option<Denoiser>,
     /// The colour of the energy curve, if it is drawn.
     curve: Option<Rgb>,
     /// The light from the side, if there is any.
@@ -51,9 +53,12 @@ impl FramePainter {
     /// Creates a painter of frames of this size.
     pub(crate) fn new(size: [u32; 2], picture: &PictureTable) -> Self {
         let encode = (0..=u16::MAX).map(|light| encoded(f64::from(light) / 65535.0)).collect();
-        let curve = Ground::of(picture).ok().filter(|_| picture.curve).map(|ground| ground.curve);
+        let ground = Ground::of(picture).ok();
+        let curve = ground.filter(|_| picture.curve).map(|ground| ground.curve);
+        let denoiser = ground.filter(|_| picture.denoises());
+        let denoiser = denoiser.map(|ground| Denoiser::new(size[0] as usize, &ground));
         let (samples, relief) = (picture.samples.along(), Relief::of(picture));
-        FramePainter { size, samples, curve, relief, encode, used: HashMap::new() }
+        FramePainter { size, samples, denoiser, curve, relief, encode, used: HashMap::new() }
     }
 
     /// Forgets the previous frame's light; called before frames that use another mip.
@@ -71,23 +76,42 @@ impl FramePainter {
         let fine = coarse.finer(mip, &mut used)?;
         self.used = used.now;
         let layers = LayerPair { coarse, fine, fine_share: fine_share(&sight, level) };
-        let curve = self.curve.filter(|_| shot.scene.build.pendulum().q > 0.0);
-        let height = |pixel: [usize; 2]| layers.height(pixel.map(|at| at as f64 + 0.5));
-        let lit = self.relief.map(|relief| LitFrame::new(relief, self.size, height));
-        let mut bytes = vec![0; 3 * self.size[0] as usize * self.size[1] as usize];
-        bytes.par_chunks_mut(3 * self.size[0] as usize).enumerate().for_each(|(row, bytes)| {
-            let curve = curve.map(|rgb| (rgb, CurveBand::around(&grid, row as u32)));
-            for (column, rgb) in bytes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                let light = self.light([column, row], &layers);
+        let mut colours = self.colours(&layers);
+        if let Some(denoiser) = &self.denoiser {
+            colours = denoised(denoiser, &colours);
+        }
+        if let Some(curve) = self.curve.filter(|_| shot.scene.build.pendulum().q > 0.0) {
+            self.draw_curve(curve, &grid, &mut colours);
+        }
+        Ok(colours.into_flattened())
+    }
+
+    /// Returns the colours of all pixels under light from the side.
+    fn colours(&self, layers: &LayerPair) -> Vec<Rgb> {
+        let [width, height] = self.size.map(|side| side as usize);
+        let height_at = |pixel: [usize; 2]| layers.height(pixel.map(|at| at as f64 + 0.5));
+        let lit = self.relief.map(|relief| LitFrame::new(relief, self.size, height_at));
+        let mut colours = vec![Rgb::default(); width * height];
+        colours.par_chunks_mut(width).enumerate().for_each(|(row, colours)| {
+            for (column, colour) in colours.iter_mut().enumerate() {
+                let light = self.light([column, row], layers);
                 let factor = lit.as_ref().map_or(1.0, |lit| lit.factor([column, row]));
-                *rgb =
+                *colour =
                     light.map(|light| self.encode[(light * factor + 0.5).min(MAX_LIGHT) as usize]);
-                if let Some((colour, band)) = &curve {
-                    *rgb = blended(*rgb, *colour, band.cover(&grid, column as u32, row as u32));
-                }
             }
         });
-        Ok(bytes)
+        colours
+    }
+
+    /// Draws the energy curve over a frame.
+    fn draw_curve(&self, curve: Rgb, grid: &Grid, colours: &mut [Rgb]) {
+        let rows = colours.par_chunks_mut(self.size[0] as usize).enumerate();
+        rows.for_each(|(row, colours)| {
+            let band = CurveBand::around(grid, row as u32);
+            for (column, colour) in colours.iter_mut().enumerate() {
+                *colour = blended(*colour, curve, band.cover(grid, column as u32, row as u32));
+            }
+        });
     }
 
     /// Returns the mean light of a pixel's points.
@@ -104,6 +128,12 @@ impl FramePainter {
         }
         sum.map(|sum| sum / (along * along) as f32)
     }
+}
+
+/// Smooths the grain of a frame.
+fn denoised(denoiser: &Denoiser, colours: &[Rgb]) -> Vec<Rgb> {
+    let tints: Vec<Tint> = colours.iter().copied().map(tint_of).collect();
+    denoiser.all(&tints).into_iter().map(rounded).collect()
 }
 
 impl LayerPair {

@@ -1,5 +1,5 @@
-//! Colours samples: palette, light from the side, mean of several samples per pixel, energy curve,
-//! legend.
+//! Colours samples: palette, light from the side, mean of several samples per pixel, grain, energy
+//! curve, legend.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -10,6 +10,7 @@ use super::corner_rows::CornerRows;
 use super::curve::CurveBand;
 use super::legend::Legend;
 use super::lit_rows::LitRows;
+use crate::denoise::DenoisedRows;
 use crate::tiles::{PlainPixels, Samples};
 use flipmap_pendulum::Status;
 use flipmap_scene::palette::{
@@ -27,6 +28,7 @@ pub struct RowPainter {
     samples_along: u32,
     /// The pixels, if the samples to be painted are those of their corners.
     corners: Option<CornerRows>,
+    denoised: Option<DenoisedRows>,
     grid: Grid,
     next_row: u32,
     /// Samples of a row of pixels that is not yet complete.
@@ -45,6 +47,7 @@ impl RowPainter {
         let fine = size.map(|side| side * samples_along);
         let relief = Relief::of(picture).filter(|_| colours.times().is_some());
         let grid = Grid::new(scene, size);
+        let denoised = picture.denoises().then(|| DenoisedRows::new(size, &colours.ground()));
         let curve = picture.curve && scene.build.pendulum().q > 0.0;
         Ok(RowPainter {
             legend: picture.legend.then(legend).transpose()?,
@@ -53,6 +56,7 @@ impl RowPainter {
             curve,
             samples_along,
             corners: None,
+            denoised,
             grid,
             next_row: 0,
             pending: Vec::new(),
@@ -73,7 +77,7 @@ impl RowPainter {
 
     /// Paints the next samples, those at `places`, and returns the pixels of finished rows. If
     /// pixels have several samples, a row is finished when all have come; under light from the
-    /// side, the row below it must have come, too.
+    /// side or where grain is smoothed, rows below it must have come, too.
     pub(crate) fn tints(&mut self, samples: &Samples, places: Range<usize>) -> &[Tint] {
         let mut fresh = std::mem::take(&mut self.fresh);
         self.colour(samples, places.clone(), &mut fresh);
@@ -88,6 +92,9 @@ impl RowPainter {
                 self.gathered(fresh)
             }
         };
+        if let Some(denoised) = &mut self.denoised {
+            fresh = denoised.denoise(&fresh);
+        }
         self.mark(&mut fresh);
         self.next_row += (fresh.len() / self.grid.size()[0] as usize) as u32;
         self.fresh = fresh;

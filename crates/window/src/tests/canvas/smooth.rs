@@ -77,7 +77,8 @@ mod checks {
             let samples = rendered(&scene, BALANCED, &mut engine());
             let flipped = samples.iter().filter(|outcome| outcome.status == Status::Answered);
             let times = equalised(flipped.map(|outcome| outcome.time), 64);
-            let picture = &PictureTable { times, curve: false, ..PictureTable::default() };
+            let picture =
+                &PictureTable { times, curve: false, denoise: false, ..PictureTable::default() };
             let truth = painted(&scene, picture, &samples);
             let paint = Paint { picture, scene: &scene, trust: false };
             let pixels = Studio::new(PLAIN).draw(&screen, &mut explorer, &paint);
