@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use flipmap_render::output::read_gradient;
-use flipmap_scene::palette::Palette;
+use flipmap_scene::palette::{Palette, Tones, ViewTimes};
 use flipmap_scene::{Document, PictureTable, Sampling, Scale, between, in_a_row, named};
 
 use super::exit::Exit;
@@ -46,7 +46,7 @@ pub(super) struct PictureOptions {
           hide_possible_values = true, value_parser = Suggested::of(&Scale::ALL))]
     scale: Option<String>,
     /// Two or more times in seconds that divide the palette into equal steps; view: times of the
-    /// view itself (the default for views narrower than 1e-6 rad); budget: the whole budget
+    /// view itself (the default for views narrower than the home map); budget: the whole budget
     #[arg(
         hide_short_help = true,
         long,
@@ -85,6 +85,8 @@ pub(super) struct PictureOptions {
 
 /// Values of `--repeat`: true if every second run through the palette goes backwards.
 const REPEATS: [(&str, bool); 2] = [("mirrored", true), ("plain", false)];
+/// Width in rad of a film's narrowest view below which its colours are spread over its own times.
+const DEEP_FILM_RAD: f64 = 1e-6;
 /// Keywords of `--times`.
 const OF_VIEW: &str = "view";
 const OF_BUDGET: &str = "budget";
@@ -116,21 +118,22 @@ impl PictureOptions {
         path.exists().then_some(("--palette", path))
     }
 
-    /// Returns true if the colours follow the view's own times.
-    pub(super) fn spreads(&self, document: &Document) -> bool {
-        let deep = document.scene().view.width_rad().hi < PictureTable::SPREAD_BELOW_RAD;
+    /// Returns the weight of the view's own times in the colours; `None` if they have none.
+    pub(super) fn weight_of_view(&self, document: &Document) -> Option<f64> {
+        let weight = ViewTimes::weight(document.scene().view.width_rad().hi);
+        let picture = &document.picture;
+        let open = picture.times.is_empty() && picture.paints_times(document.question.ask);
         match self.times.as_deref() {
-            Some(OF_VIEW) => true,
-            Some(_) => false,
-            None => deep && document.picture.times.is_empty(),
+            Some(OF_VIEW) => Some(1.0),
+            Some(_) => None,
+            None => Some(weight).filter(|weight| open && *weight > 0.0),
         }
     }
 
     /// Returns true if the colours follow the film's own times; the film zooms through `decades`
     /// down to `width_rad`.
     pub(super) fn spreads_film(&self, document: &Document, decades: f64, width_rad: f64) -> bool {
-        let far = decades > PictureTable::SPREAD_FILM_DECADES
-            || width_rad < PictureTable::SPREAD_BELOW_RAD;
+        let far = decades > PictureTable::SPREAD_FILM_DECADES || width_rad < DEEP_FILM_RAD;
         match self.times.as_deref() {
             Some(said) => said == OF_VIEW,
             None => far && document.picture.times.is_empty(),
@@ -217,6 +220,14 @@ impl PictureOptions {
             let times: Option<Vec<f64>> = text.split(',').map(number).collect();
             times.ok_or("it must be times in seconds separated by commas, view or budget")
         })?;
+        picture.of_view &= self.times.is_none();
+        if self.times.as_deref() == Some(OF_BUDGET) {
+            let (unit_secs, budget_secs) =
+                (document.pendulum.unit_secs(), document.question.budget.secs);
+            let tones =
+                Tones::new(picture, unit_secs, budget_secs).map_err(|why| Exit::usage(&why))?;
+            picture.times = tones.range_secs().to_vec();
+        }
         self.check_times(document)
     }
 

@@ -94,8 +94,8 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         PlannedOutput::Film(film) => check_film(film, chosen.config)?,
         PlannedOutput::Still(document) => {
             check_steps(&scene, chosen.config)?;
-            if options.film.picture.spreads(document) {
-                spread(document, spec.size(), chosen.config, chosen.engine.as_mut())?;
+            if let Some(weight) = options.film.picture.weight_of_view(document) {
+                spread(document, spec.size(), chosen.config, chosen.engine.as_mut(), weight)?;
             }
         }
     }

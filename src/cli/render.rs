@@ -72,8 +72,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(continued) = &mut continued {
         continued.check_ran(chosen.engine.as_ref(), config)?;
     }
-    if options.picture.spreads(&document) {
-        spread(&mut document, spec.size(), config, chosen.engine.as_mut())?;
+    if let Some(weight) = options.picture.weight_of_view(&document) {
+        spread(&mut document, spec.size(), config, chosen.engine.as_mut(), weight)?;
     }
     let recipe = PictureRecipe {
         document: &document,

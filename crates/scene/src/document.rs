@@ -168,8 +168,12 @@ impl Document {
         }
     }
 
-    /// Replaces the scene, and keeps the picture and run tables.
-    pub fn with_scene(self, scene: Scene) -> Self {
+    /// Replaces the scene, and keeps the picture and run tables, but for times that belong to
+    /// another view.
+    pub fn with_scene(mut self, scene: Scene) -> Self {
+        if self.picture.of_view && scene != self.scene() {
+            (self.picture.times, self.picture.of_view) = (Vec::new(), false);
+        }
         let Scene { build, question, view, plane } = scene;
         Document { pendulum: build, question, view, plane, ..self }
     }

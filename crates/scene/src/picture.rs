@@ -48,6 +48,9 @@ pub struct PictureTable {
     /// natural unit of time to the budget, two for another range, more for a stretched one.
     #[serde(skip_serializing_if = "is_default")]
     pub times: Vec<f64>,
+    /// True if `times` were taken from the view's own, and would be again if it moved.
+    #[serde(skip_serializing_if = "is_default")]
+    pub of_view: bool,
     /// Name of the question's channel that is painted and written; `None` writes all channels and
     /// paints the question's natural colours.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -83,6 +86,7 @@ impl Default for PictureTable {
             offset: 0.0,
             scale: Scale::Log,
             times: Vec::new(),
+            of_view: false,
             channel: None,
             legend: false,
             bits: 8,
@@ -158,14 +162,8 @@ pub enum Shown {
 }
 
 impl PictureTable {
-    /// Width of a view in rad below which its colours are spread over its own times, unless the
-    /// user chooses others.
-    pub const SPREAD_BELOW_RAD: f64 = 1e-6;
     /// Decades of a film's zoom above which its colours are spread over its own times.
     pub const SPREAD_FILM_DECADES: f64 = 3.0;
-    /// Number of steps in colours that are spread over their own times.
-    pub const SPREAD_STEPS: usize = 64;
-
     /// Range of samples per pixel along each axis.
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=8;
     /// Samples per pixel along each axis where colours change, in adaptive sampling.
@@ -252,6 +250,11 @@ impl PictureTable {
         let allowed = || ask.kind().has_no_channel(name);
         let refused = || SceneError::new("channel", format!("'{name}'"), allowed());
         ask.channel(name).map(Shown::Channel).ok_or_else(refused)
+    }
+
+    /// Returns true if the colours of times follow the view's own, because the user chose none.
+    pub fn follows_view(&self) -> bool {
+        self.times.is_empty() || self.of_view
     }
 
     /// Returns true if the colours show times.

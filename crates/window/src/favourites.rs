@@ -8,9 +8,8 @@ use flipmap_scene::PictureTable;
 pub(super) const DIGITS: std::ops::RangeInclusive<u8> = 1..=9;
 
 impl Settings {
-    /// Keeps the colours of a picture under a digit; `own_times` is true if its times were chosen
-    /// rather than taken from the view.
-    pub(crate) fn keep_colours(&mut self, digit: u8, picture: &PictureTable, own_times: bool) {
+    /// Keeps the colours of a picture under a digit, without times that were taken from the view.
+    pub(crate) fn keep_colours(&mut self, digit: u8, picture: &PictureTable) {
         let plain = PictureTable::default();
         let mut kept = PictureTable {
             curve: plain.curve,
@@ -20,8 +19,8 @@ impl Settings {
             channel: None,
             ..picture.clone()
         };
-        if !own_times {
-            kept.times.clear();
+        if kept.of_view {
+            (kept.times, kept.of_view) = (Vec::new(), false);
         }
         if let Ok(table) = toml::Table::try_from(&kept) {
             self.favourites.insert(digit.to_string(), table);
@@ -58,7 +57,7 @@ impl Settings {
 impl AppState {
     /// Keeps the colours of the map under a digit.
     pub(super) fn keep_favourite(&mut self, digit: u8, settings: &mut Settings) {
-        settings.keep_colours(digit, &self.picture, !self.spreads);
+        settings.keep_colours(digit, &self.picture);
         self.notices.tell(format!("The key {digit} brings these colours back."));
     }
 
@@ -83,11 +82,12 @@ mod tests {
             palette: "magma".into(),
             cycles: 3.0,
             times: vec![1.0, 2.0],
+            of_view: true,
             samples: Sampling::Square(4),
             curve: false,
             ..PictureTable::default()
         };
-        settings.keep_colours(3, &picture, false);
+        settings.keep_colours(3, &picture);
         let text = toml::to_string(&settings).unwrap();
         let settings: Settings = toml::from_str(&text).unwrap();
         let now = PictureTable { channel: Some("time".into()), ..PictureTable::default() };

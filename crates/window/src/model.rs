@@ -202,11 +202,11 @@ impl AppModel {
         }
         let progress = self.compute.explorer.progress();
         self.estimates.time_left.read(state.target(), &progress, Instant::now());
-        let spread = self.spread.follow(state, &mut self.compute.explorer);
         let news = self.films.follow_descent(state, progress.share);
         // Views passed during a descent are left before anyone could read a warning about them.
         let stays = self.films.descent.running.is_none();
         let complete = progress.idle && progress.wanted > 0;
+        let spread = self.spread.follow(state, &mut self.compute.explorer, complete);
         let config = self.compute.config().filter(|_| complete && stays);
         let foreseen = self.estimates.forecast.follow(state, config, wake);
         settled || turn.news || spread || news || foreseen

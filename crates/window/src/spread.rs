@@ -1,64 +1,89 @@
-//! The colours of a deep view, spread over the times in it.
+//! The colours of a view that is narrower than the home map, spread over its own times.
 
-use super::camera::Camera;
+use glam::DVec2;
+
+use super::camera::{Camera, Screen};
 use super::state::AppState;
 use super::view_samples;
-use flipmap_render::tiles::Stride;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::PictureTable;
-use flipmap_scene::palette::equalised;
+use flipmap_scene::palette::{Tones, ViewTimes};
 
-/// Number of levels coarser than the finest whose times are good enough for a deep view's colours.
-const COARSER: u32 = 3;
+/// Time in s that passes between two changes of the colours while the view moves.
+const PAUSE_SECS: f64 = 0.1;
+/// Distance, in widths of the view, and logarithm of a zoom that do not change the colours.
+const NEAR: f64 = 0.02;
 
-/// The view over whose times the colours were last spread, and true if it was complete.
+/// The view over whose times the colours were last spread.
 #[derive(Debug, Default)]
-pub(super) struct ColourSpread(Option<(Camera, bool)>);
+pub(super) struct ColourSpread(Option<Spread>);
+
+#[derive(Debug)]
+struct Spread {
+    camera: Camera,
+    at_secs: f64,
+    /// True if the view was complete.
+    complete: bool,
+}
 
 impl ColourSpread {
-    /// Spreads the palette over the flip times of a deep view, once the view has some samples
-    /// everywhere and again once it is complete: otherwise it would look flat, because its times
-    /// lie close together. Colours that the user chose are left alone. Returns true if the colours
-    /// have changed.
-    pub(super) fn follow(&mut self, state: &mut AppState, explorer: &mut Explorer) -> bool {
-        let camera = state.target();
-        if camera.width_rad >= PictureTable::SPREAD_BELOW_RAD {
-            let clear = state.spreads && !state.picture.times.is_empty();
-            if clear {
-                state.picture.times = Vec::new();
-            }
-            state.spreads = state.picture.times.is_empty();
+    /// Spreads the palette over the flip times of a view as far as they are known, and again once
+    /// the view has moved or is `complete`. Times that the user chose are left alone. Returns true
+    /// if the colours have changed.
+    pub(super) fn follow(
+        &mut self,
+        state: &mut AppState,
+        explorer: &mut Explorer,
+        complete: bool,
+    ) -> bool {
+        let (camera, ask) = (state.camera, state.question.ask);
+        if !state.picture.follows_view() || !state.picture.paints_times(ask) {
             self.0 = None;
-            return clear;
-        }
-        let is_time = state.question.ask.is_time();
-        if !state.spreads || state.moving.is_some() || !is_time {
             return false;
         }
-        let near = |then: &Camera| {
-            let moved = then.offset_of(camera.center).length() < 0.25 * camera.width_rad;
-            moved && (then.width_rad / camera.width_rad).ln().abs() < 0.3
-        };
-        // True if the last spread used the complete view.
-        let spread = self.0.filter(|(then, _)| near(then)).map(|(_, fine)| fine);
-        if spread == Some(true) {
+        if ViewTimes::weight(camera.width_rad) == 0.0 {
+            self.0 = None;
+            return paint(state, Vec::new());
+        }
+        if self.0.as_ref().is_some_and(|spread| spread.holds(&camera, state.now_secs, complete)) {
             return false;
         }
-        let screen = state.screen();
-        let Some((level, stride)) = view_samples::whole_level(&screen, COARSER, explorer) else {
-            return false;
-        };
-        let finest = level == screen.level() && stride == Stride::ONE;
-        if spread.is_some() && !finest {
-            return false;
-        }
-        self.0 = Some((camera, finest));
-        let times = view_samples::times_at(&screen, level, explorer);
-        let times = equalised(times.into_iter(), PictureTable::SPREAD_STEPS);
-        let change = !times.is_empty();
-        if change {
-            state.picture.times = times;
-        }
-        change
+        let times = times(&state.screen(), explorer);
+        let tones = PictureTable { times: Vec::new(), ..state.picture.clone() };
+        let (unit_secs, budget_secs) = (state.build.unit_secs(), state.question.budget.secs);
+        let Ok(tones) = Tones::new(&tones, unit_secs, budget_secs) else { return false };
+        self.0 = Some(Spread { camera, at_secs: state.now_secs, complete });
+        let times = times.spread(ViewTimes::weight(camera.width_rad), tones.range_secs());
+        !times.is_empty() && paint(state, times)
     }
+}
+
+impl Spread {
+    /// Returns true if the colours of a view need no change: it is the same, or it moves and they
+    /// have just changed.
+    fn holds(&self, camera: &Camera, now_secs: f64, complete: bool) -> bool {
+        let away = self.camera.offset_of(camera.center).length() / camera.width_rad;
+        let zoom = (self.camera.width_rad / camera.width_rad).ln().abs();
+        let is_near = away < NEAR && zoom < NEAR;
+        (is_near && self.complete) || (!complete && now_secs < self.at_secs + PAUSE_SECS)
+    }
+}
+
+/// Replaces the times of the colours by some of the view's own; returns true if they differ.
+fn paint(state: &mut AppState, times: Vec<f64>) -> bool {
+    state.picture.of_view = !times.is_empty();
+    let differ = state.picture.times != times;
+    state.picture.times = times;
+    differ
+}
+
+/// Returns the known flip times at the places of the view's small picture.
+fn times(screen: &Screen, explorer: &mut Explorer) -> ViewTimes {
+    let [width, height] = ViewTimes::grid(screen.size.to_array().map(|side| side as u32));
+    let step = screen.size / DVec2::new(f64::from(width), f64::from(height));
+    let middle = 0.5 * screen.size;
+    let places = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
+    let points =
+        places.map(|place| (DVec2::from(place.map(|k| f64::from(k) + 0.5))) * step - middle);
+    ViewTimes::new(points.filter_map(|point| view_samples::flip_secs(screen, explorer, point)))
 }

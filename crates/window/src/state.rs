@@ -85,8 +85,6 @@ pub struct AppState {
     pub plane: Plane,
     /// Colours of the map.
     pub picture: PictureTable,
-    /// True if the times of the palette follow a deep view.
-    pub spreads: bool,
     /// Integration of pixels, and the engine for it.
     pub integration: Integration,
     /// Camera of the current view.
@@ -130,7 +128,6 @@ impl AppState {
             question: following(&scene),
             plane: scene.plane.clone(),
             picture: document.picture.clone(),
-            spreads: document.picture.times.is_empty(),
             integration: Integration { spec, kind: None },
             camera,
             moving: None,
@@ -247,8 +244,8 @@ impl AppState {
 
     /// Paints the map in other colours.
     pub(super) fn paint(&mut self, picture: PictureTable) {
-        self.spreads &= picture.times == self.picture.times;
-        self.picture = picture;
+        let of_view = picture.of_view && picture.times == self.picture.times;
+        self.picture = PictureTable { of_view, ..picture };
     }
 
     /// Shows the map up to the time of a clock, or whole again. Refuses a clock if answers are not

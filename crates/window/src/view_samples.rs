@@ -7,7 +7,6 @@ use super::hover::{Answer, known_near};
 use super::state::AppState;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::output::Picture;
-use flipmap_render::tiles::Stride;
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::palette::AnswerColours;
@@ -17,35 +16,20 @@ const THUMBNAIL: [u32; 2] = [192, 144];
 
 /// Returns the known flip times of the samples in view at the screen's level.
 pub(crate) fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
-    times_at(screen, screen.level(), explorer)
-}
-
-/// Returns the finest level with samples of all cells in view, at most `most` levels coarser than
-/// the screen's, and the largest stride of its samples.
-pub(crate) fn whole_level(
-    screen: &Screen,
-    most: u32,
-    explorer: &mut Explorer,
-) -> Option<(u32, Stride)> {
-    let finest = screen.level();
-    (finest.saturating_sub(most)..=finest).rev().find_map(|level| {
-        let cells = screen.region().cells(level, MAX_CELLS).into_iter();
-        let strides: Option<Vec<Stride>> =
-            cells.map(|placed| Some(explorer.known(placed.cell)?.0.stride)).collect();
-        Some((level, strides?.into_iter().max()?))
-    })
-}
-
-/// Returns the known flip times of the samples in view at a level.
-pub(crate) fn times_at(screen: &Screen, level: u32, explorer: &mut Explorer) -> Vec<f64> {
     let mut times = Vec::new();
-    for placed in screen.region().cells(level, MAX_CELLS) {
+    for placed in screen.region().cells(screen.level(), MAX_CELLS) {
         if let Some((known, _)) = explorer.known(placed.cell) {
             let flipped = |outcome: &Outcome| outcome.status == Status::Answered;
             times.extend(known.samples.iter().filter(flipped).map(|outcome| outcome.time));
         }
     }
     times
+}
+
+/// Returns the known flip time of the finest sample at a point, in s.
+pub(crate) fn flip_secs(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<f64> {
+    let outcome = best_answer(screen, explorer, point)?.outcome();
+    (outcome.status == Status::Answered).then_some(outcome.time)
 }
 
 /// Returns what is shown as a small picture; it is grey if the question cannot be painted.

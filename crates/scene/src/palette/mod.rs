@@ -5,6 +5,7 @@ pub mod gradient;
 mod ground;
 mod legend;
 mod relief;
+mod spread;
 mod steps;
 mod time_scale;
 mod tones;
@@ -13,6 +14,7 @@ pub use answers::AnswerColours;
 pub use ground::{Ground, GroundTable, colour_text};
 pub use legend::{BarLabels, LegendTitle};
 pub use relief::Relief;
+pub use spread::ViewTimes;
 pub use time_scale::TimeScale;
 pub use tones::{Lookup, Tones, equalised, rise};
 
