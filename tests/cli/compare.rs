@@ -13,7 +13,7 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
         let files = ["-o", &at(&format!("{name}.png")), "--raw", &at(&format!("{name}.npy"))]
             .map(str::to_string);
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
-        let cpu = ["render", "--engine", "cpu", "--size", size];
+        let cpu = ["render", "--engine", "cpu", "--no-denoise", "--size", size];
         let output = flipmap(&folder, &[&cpu[..], &files[..], method].concat());
         assert!(output.status.success(), "{output:?}");
     };

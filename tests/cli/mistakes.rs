@@ -44,7 +44,7 @@ const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (&["elsewhere"], 2, &["elsewhere", "home"]),
     (&["--stretch", "0"], 2, &["--stretch"]),
     (&["--rotate", "nan"], 2, &["--rotate"]),
-    (&["--adapter", "geforce"], 2, &["adapter", "cpu engine"]),
+    (&["--adapter", "geforce"], 2, &["adapter", "engine cpu"]),
     (&["--accuracy", "perfect"], 2, &["--accuracy", "lesson, fast, balanced, exact"]),
     (&["--cells", "never", "--width", "1e-13"], 2, &["--cells is never", "f64"]),
     (&["--tolerance", "1e-16"], 2, &["--tolerance", "between 1e-15 and 1e-2"]),

@@ -275,7 +275,7 @@ fn adaptive_sampling_looks_like_full_sampling_and_costs_less() {
     let at = |name: &str| folder.path().join(name);
     let counted = |name: &str, samples: &str| {
         // A smooth place with few edges.
-        let view = ["--center=1.9,0.6", "--width", "1.2", "--no-curve", "--json"];
+        let view = ["--center=1.9,0.6", "--width", "1.2", "--no-curve", "--no-denoise", "--json"];
         let output = render(&folder, &[&view[..], &["-o", name, "--samples", samples]].concat());
         assert!(output.status.success(), "{}", error_of(&output));
         let counts: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

@@ -70,7 +70,7 @@ fn mistakes_are_named_before_anything_is_measured() {
     let cases: [(&[&str], i32, &[&str]); 9] = [
         (&["-o", "taken"], 1, &["-o: cannot write taken: it is a file"]),
         (&["-o", "taken/below"], 1, &["-o: cannot write taken/below"]),
-        (&["-o", "fine", "--adapter", "geforce"], 2, &["adapter", "cpu engine"]),
+        (&["-o", "fine", "--adapter", "geforce"], 2, &["adapter", "engine cpu"]),
         (&["--sample", "0"], 2, &["--sample"]),
         (&["--threads", "0"], 2, &["--threads"]),
         (&["--slow"], 2, &["--slow"]),

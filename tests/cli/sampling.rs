@@ -83,8 +83,9 @@ fn around() -> Vec<Around> {
 #[test]
 fn a_pixel_is_half_its_middle_and_an_eighth_of_each_corner_where_colours_change() {
     let folder = folder();
-    let view = ["--center=1.9,0.6", "--width", "1.26", "--no-curve", "--size", "63x47"];
-    render(&folder, &[&view[..], &["-o", "map.png"]].concat());
+    let view = ["--center=1.9,0.6", "--width", "1.26", "--no-curve", "--no-denoise"];
+    let how = ["--times", "budget", "--size", "63x47", "-o", "map.png"];
+    render(&folder, &[&view[..], &how].concat());
     let picture = pixels(&folder.path().join("map.png"));
     let (mut plain, mut mixed) = (0, 0);
     for (pixel, around) in picture.pixels().zip(around()) {

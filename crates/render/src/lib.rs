@@ -7,6 +7,7 @@
 //!   [`Trace`](output::Trace) follows a single pendulum;
 //! * [`film`] paints the frames between keys and feeds an encoder; its
 //!   [`FilmRecipe`](film::FilmRecipe) is the only way in which a film is made;
+//! * [`Denoiser`] calms the grain of unresolved chaos, in all of these and in a window;
 //! * [`farm`] splits stills and films into shards, and joins them.
 //!
 //! A [`Watch`] takes the progress of long computations and can stop them.
@@ -32,4 +33,5 @@ pub mod output;
 pub mod tiles;
 mod watch;
 
+pub use denoise::Denoiser;
 pub use watch::Watch;

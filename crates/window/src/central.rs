@@ -15,8 +15,11 @@ use super::panels::toolbar::toolbar;
 use super::state::AppState;
 use super::{hover, overlay};
 use flipmap_pendulum::Rule;
-use flipmap_scene::palette::AnswerColours;
+use flipmap_scene::palette::{AnswerColours, Ground};
 use flipmap_scene::{PendulumSpec, Plane, QuestionSettings, Scene, SceneError};
+
+/// Time between looks for the denoised picture, while it is computed.
+const CALMED_EVERY: Duration = Duration::from_millis(100);
 
 /// Returns a pendulum and the rule of its energy curve; none if no energy divides its map.
 fn curve_of(
@@ -53,9 +56,13 @@ impl AppModel {
         let has_time = self.map_renderer.is_quick || self.state.rests();
         self.map_renderer.finer_levels =
             if has_time { self.state.look.edges.refinements() } else { 0 };
+        self.map_renderer.ground = self.ground_to_calm();
         let frame = self.map_renderer.frame(&screen, &mut self.compute.explorer, colours);
         if self.map_renderer.fading.is_running() || self.map_renderer.glide.is_under_way() {
             ui.ctx().request_repaint();
+        }
+        if self.map_renderer.is_grainy() {
+            ui.ctx().request_repaint_after(CALMED_EVERY);
         }
         let hovered = self.state.pointer.map(|point| {
             let [place, _] = hover::sample_at(screen.angle_at(point), screen.level());
@@ -90,6 +97,18 @@ impl AppModel {
         let drawn = self.compute.explorer.drawn();
         let drawn = drawn.map_or((build, question, plane), |p| (p.build, p.question, &p.plane));
         if layers.curve { curve_of(drawn) } else { None }
+    }
+
+    /// Returns the colours of pixels without an answer if the map is to be denoised: it rests, is
+    /// complete and shows its own colours.
+    fn ground_to_calm(&self) -> Option<Ground> {
+        let (state, progress) = (&self.state, self.progress());
+        let is_complete = progress.wanted > 0 && progress.done == progress.wanted;
+        // Hatches are no grain.
+        let has_hatches = state.layers.trust && state.integration.spec.verify;
+        let is_plain = !has_hatches && state.shown.timeline.is_none();
+        let calm = is_complete && is_plain && state.rests() && state.picture.denoise;
+        Ground::of(&state.picture).ok().filter(|_| calm && !state.shown.cycle.runs)
     }
 
     /// Returns true if tiles fade in and colours glide, which would be too slow where the processor

@@ -322,6 +322,10 @@ impl AppModel {
         let smooths = progress.refines && !self.lab_hides_map();
         let smooths = smooths.then(|| "smoothing edges".to_string());
         let doing = self.compute.following().or(diving).or(self.compute.comparing()).or(smooths);
+        let flat = self.spread.flat_secs().map(|secs| {
+            format!("flat to {secs:.0e} s: nothing smaller here; D follows the nearest filament")
+        });
+        let doing = doing.or(flat);
         let warning = self.estimates.forecast.warning();
         let left_secs = self.estimates.time_left.secs();
         StatusLine {

@@ -14,12 +14,14 @@ const PAUSE_SECS: f64 = 0.1;
 /// Distance, in widths of the view, and logarithm of a zoom that do not change the colours.
 const NEAR: f64 = 0.02;
 
-/// The view over whose times the colours were last spread.
+/// The view over whose times the colours were last spread, if they follow the view.
 #[derive(Debug, Default)]
 pub(super) struct ColourSpread(Option<Spread>);
 
 #[derive(Debug)]
 struct Spread {
+    /// The largest difference of the view's times in s, if it is flat.
+    flat_secs: Option<f64>,
     camera: Camera,
     at_secs: f64,
     /// True if the view was complete.
@@ -27,6 +29,11 @@ struct Spread {
 }
 
 impl ColourSpread {
+    /// Returns the largest difference of the view's times in s, if the view is complete and flat.
+    pub(super) fn flat_secs(&self) -> Option<f64> {
+        self.0.as_ref().filter(|spread| spread.complete)?.flat_secs
+    }
+
     /// Spreads the palette over the flip times of a view as far as they are known, and again once
     /// the view has moved or is `complete`. Times that the user chose are left alone. Returns true
     /// if the colours have changed.
@@ -52,7 +59,12 @@ impl ColourSpread {
         let tones = PictureTable { times: Vec::new(), ..state.picture.clone() };
         let (unit_secs, budget_secs) = (state.build.unit_secs(), state.question.budget.secs);
         let Ok(tones) = Tones::new(&tones, unit_secs, budget_secs) else { return false };
-        self.0 = Some(Spread { camera, at_secs: state.now_secs, complete });
+        self.0 = Some(Spread {
+            flat_secs: times.flat_secs(),
+            camera,
+            at_secs: state.now_secs,
+            complete,
+        });
         let times = times.spread(ViewTimes::weight(camera.width_rad), tones.range_secs());
         !times.is_empty() && paint(state, times)
     }

@@ -31,7 +31,7 @@ const COMPARED_PX: [f32; 4] = [-2.0, -1.0, 1.0, 2.0];
 const UNRESOLVED: f32 = 3.0;
 
 /// Denoises pictures of one width.
-pub(crate) struct Denoiser {
+pub struct Denoiser {
     width: usize,
     kernels: Kernels,
     /// Colours that stay as they are: pixels that are not samples of anything.
@@ -50,13 +50,13 @@ pub(super) struct Block {
 
 impl Denoiser {
     /// Creates a denoiser of pictures `width` pixels wide, on this ground.
-    pub(crate) fn new(width: usize, ground: &Ground) -> Self {
+    pub fn new(width: usize, ground: &Ground) -> Self {
         let kernels = Kernels::new(width + 2 * REACH);
         Denoiser { width, kernels, kept: [ground.forbidden, FAILED].map(tint_of) }
     }
 
     /// Returns the denoised pixels of a whole picture.
-    pub(crate) fn all(&self, tints: &[Tint]) -> Vec<Tint> {
+    pub fn all(&self, tints: &[Tint]) -> Vec<Tint> {
         self.denoised(tints, 0..tints.len() / self.width)
     }
 

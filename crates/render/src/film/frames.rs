@@ -17,7 +17,8 @@ use crate::output::{
     sha256,
 };
 use flipmap_scene::film::{Film, Shot};
-use flipmap_scene::{Document, location};
+use flipmap_scene::palette::Tones;
+use flipmap_scene::{Document, Scene, location};
 
 /// An error that kept a frame from being written.
 #[derive(Debug, thiserror::Error)]
@@ -163,8 +164,19 @@ impl Frames {
         ["png", "json"].map(|ending| self.folder.join(format!("{frame:06}.{ending}")))
     }
 
+    /// Returns the document of a frame. Its times are written out: a still would otherwise spread
+    /// its colours over its own.
     fn document_of(&self, shot: &Shot) -> Document {
-        self.document.clone().with_scene(shot.scene.clone())
+        let mut document = self.document.clone().with_scene(shot.scene.clone());
+        let Scene { build, question, .. } = &shot.scene;
+        let tones = Tones::new(&document.picture, build.unit_secs(), question.budget.secs);
+        if document.picture.paints_times(question.ask)
+            && let Ok(tones) = tones
+            && document.picture.times.is_empty()
+        {
+            document.picture.times = tones.range_secs().to_vec();
+        }
+        document
     }
 
     fn beside(&self, frame: u32, shot: &Shot, picture: &[u8]) -> Sidecar {

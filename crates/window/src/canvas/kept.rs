@@ -20,8 +20,9 @@ pub(crate) struct KeptPicture {
 }
 
 /// The texture of a picture.
-struct KeptTarget {
+pub(crate) struct KeptTarget {
     size_px: [u32; 2],
+    texture: wgpu::Texture,
     view: wgpu::TextureView,
     bindings: wgpu::BindGroup,
 }
@@ -33,6 +34,8 @@ struct Content {
     last: Option<(Screen, Uniforms, bool)>,
     /// Quads in the picture; none if it does not show the last frame.
     cells: Option<Vec<CellQuads>>,
+    /// Number of changes so far.
+    version: u64,
 }
 
 /// The surface that a frame draws on.
@@ -67,6 +70,7 @@ impl Content {
         }
         let changes = changes(self.cells.as_deref(), frame);
         if changes.on == DrawingSurface::Cleared || !changes.quads.is_empty() {
+            self.version += 1;
             self.cells = Some(frame.cells.clone());
         }
         changes
@@ -100,7 +104,10 @@ impl KeptPicture {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: self.format,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
         let view = texture.create_view(&Default::default());
@@ -112,7 +119,40 @@ impl KeptPicture {
                 resource: wgpu::BindingResource::TextureView(&view),
             }],
         });
-        KeptTarget { size_px, view, bindings }
+        KeptTarget { size_px, texture, view, bindings }
+    }
+
+    /// Returns the number of changes of the picture so far.
+    pub(crate) fn version(&self) -> u64 {
+        self.content.version
+    }
+
+    /// Returns the picture's texture and size in pixels; none before the first frame.
+    pub(crate) fn texture(&self) -> Option<(&wgpu::Texture, [u32; 2])> {
+        self.target.as_ref().map(|target| (&target.texture, target.size_px))
+    }
+
+    /// Returns a texture like the picture's with these pixels, four bytes each; none if they are
+    /// those of a picture of another size.
+    pub(crate) fn target_with(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pixels: &[u8],
+    ) -> Option<KeptTarget> {
+        let size_px = self.target.as_ref()?.size_px;
+        let [width, height] = size_px;
+        if pixels.len() as u64 != 4 * u64::from(width) * u64::from(height) {
+            return None;
+        }
+        let target = self.target_of(device, size_px);
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * width),
+            rows_per_image: None,
+        };
+        queue.write_texture(target.texture.as_image_copy(), pixels, layout, target.texture.size());
+        Some(target)
     }
 
     /// Begins a pass that draws into the picture; none before the first frame.
@@ -136,9 +176,9 @@ impl KeptPicture {
         }))
     }
 
-    /// Shows the picture in the viewport of a pass.
-    pub(crate) fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
-        let Some(target) = &self.target else { return };
+    /// Shows the picture, or another in its place, in the viewport of a pass.
+    pub(crate) fn show(&self, pass: &mut wgpu::RenderPass<'_>, other: Option<&KeptTarget>) {
+        let Some(target) = other.or(self.target.as_ref()) else { return };
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &target.bindings, &[]);
         pass.draw(0..3, 0..1);
@@ -235,7 +275,9 @@ mod tests {
             uniforms: Uniforms::zeroed(),
             table: None,
             size_px: [4, 4],
+            ground: None,
             is_loaded: Arc::default(),
+            is_grainy: Arc::default(),
         }
     }
 

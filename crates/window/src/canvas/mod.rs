@@ -5,9 +5,11 @@
 //! change of colours uploads another table and computes nothing. The answers to other questions are
 //! painted on the way to the card, and again when their colours change. New tiles appear gradually
 //! ([`fading`]), and the range of times changes gradually ([`glide`]). The picture is kept, and a
-//! frame draws only the cells that have changed ([`kept`]).
+//! frame draws only the cells that have changed ([`kept`]); once it rests, its grain is smoothed
+//! ([`calm`]).
 
 pub(crate) mod atlas;
+pub(crate) mod calm;
 pub(crate) mod colours;
 pub(crate) mod cover;
 pub(crate) mod fading;
@@ -30,6 +32,7 @@ use crate::camera::Screen;
 use flipmap_render::tiles::Stride;
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_scene::lattice::SIDE;
+use flipmap_scene::palette::Ground;
 
 /// Number of layers of the atlas: enough for one tile per cell in view.
 pub(crate) const LAYERS: u32 = MAX_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
@@ -49,6 +52,11 @@ pub(crate) struct MapRenderer {
     pub is_quick: bool,
     /// Number of finer levels whose samples are drawn where they are known.
     pub finer_levels: u32,
+    /// The colours of pixels without an answer, if the picture is to be denoised: it rests and is
+    /// complete.
+    pub ground: Option<Ground>,
+    /// True while the picture is to be denoised and is not; set by the card's part.
+    is_grainy: Arc<AtomicBool>,
 }
 
 /// Data of the last frame for the card. The next frame carries them again if the last was thrown
@@ -72,6 +80,8 @@ impl Default for MapRenderer {
             glide: Glide::default(),
             is_quick: false,
             finer_levels: 0,
+            ground: None,
+            is_grainy: Arc::default(),
         }
     }
 }
@@ -113,8 +123,26 @@ impl MapRenderer {
         (self.last.uploads, self.last.has_table) = (uploads.clone(), table.is_some());
         let size_px = (screen.size * screen.pixels_per_point).round().as_uvec2().to_array();
         let (screen, words) = (*screen, Arc::clone(&self.words));
-        let mixes = self.finer_levels > 0;
-        MapFrame { screen, mixes, cells, uploads, words, uniforms, table, size_px, is_loaded }
+        let (mixes, ground) = (self.finer_levels > 0, self.ground);
+        let is_grainy = Arc::clone(&self.is_grainy);
+        MapFrame {
+            screen,
+            mixes,
+            cells,
+            uploads,
+            words,
+            uniforms,
+            table,
+            size_px,
+            ground,
+            is_loaded,
+            is_grainy,
+        }
+    }
+
+    /// Returns true if another frame is needed to show the picture without its grain.
+    pub(crate) fn is_grainy(&self) -> bool {
+        self.ground.is_some() && self.is_grainy.load(Ordering::Acquire)
     }
 
     /// Returns the patches of every cell; those of finer samples only if the atlas has room for

@@ -9,13 +9,14 @@ use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 use wgpu::util::DeviceExt;
 
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
+use super::calm::CalmPicture;
 use super::kept::{Changes, DrawingSurface, KeptPicture};
 use super::sample::WordKind;
 use crate::camera::Screen;
 use flipmap_engine::gpu::shared::status_constants;
 use flipmap_render::tiles::Samples;
 use flipmap_scene::lattice::SIDE;
-use flipmap_scene::palette::Relief;
+use flipmap_scene::palette::{Ground, Relief};
 
 /// Returns the source of the shader, with the status codes of [`flipmap_pendulum::Status`] and the
 /// constants of the relief.
@@ -122,8 +123,12 @@ pub(crate) struct MapFrame {
     pub table: Option<Vec<u8>>,
     /// Width and height of the map in physical pixels.
     pub size_px: [u32; 2],
+    /// The colours of pixels without an answer, if the picture is to be denoised.
+    pub ground: Option<Ground>,
     /// Set once the frame's data are on the card.
     pub is_loaded: Arc<AtomicBool>,
+    /// True while the picture is to be denoised and is not: another frame is needed.
+    pub is_grainy: Arc<AtomicBool>,
 }
 
 /// The resources on the card that live as long as the window's device.
@@ -138,6 +143,7 @@ pub(crate) struct Canvas {
     quads: wgpu::Buffer,
     count: u32,
     kept: KeptPicture,
+    calm: CalmPicture,
     /// Surface that the loaded frame draws on.
     on: DrawingSurface,
     /// True if the loaded frame mixes the light of many samples.
@@ -178,10 +184,10 @@ impl Canvas {
         };
         let (plain, mixing) = (brush(1), brush(MAX_TAPS));
         let quads = quad_buffer(device, &[]);
-        let kept = KeptPicture::new(device, target);
+        let (kept, calm) = (KeptPicture::new(device, target), CalmPicture::default());
         let on = DrawingSurface::Kept;
         let (count, mixes) = (0, false);
-        Canvas { plain, mixing, uniforms, atlas, table, quads, count, kept, on, mixes }
+        Canvas { plain, mixing, uniforms, atlas, table, quads, count, kept, calm, on, mixes }
     }
 
     /// Uploads a frame's data to the card.
@@ -231,7 +237,7 @@ impl Canvas {
     /// Draws the changes of the loaded frame into the kept picture and submits them at once: the
     /// commands of the window's frame are lost if there is no surface to show it on, as when the
     /// window is covered.
-    pub(crate) fn draw(&self, device: &wgpu::Device, queue: &wgpu::Queue) {
+    fn draw_kept(&self, device: &wgpu::Device, queue: &wgpu::Queue) {
         let clears = self.on == DrawingSurface::Cleared;
         if self.on == DrawingSurface::Window || (self.count == 0 && !clears) {
             return;
@@ -243,11 +249,27 @@ impl Canvas {
         queue.submit([encoder.finish()]);
     }
 
+    /// Draws the loaded frame, as far as it is kept, and begins to denoise it once it rests.
+    pub(crate) fn draw(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
+        self.draw_kept(device, queue);
+        let rests = self.on != DrawingSurface::Window;
+        if let Some(ground) = frame.ground.filter(|_| rests) {
+            self.calm.receive(device, queue, &self.kept);
+            self.calm.ask(device, queue, &self.kept, ground);
+        } else {
+            self.calm.forget();
+        }
+        let is_grainy = frame.ground.is_some() && !self.calm.is_done(self.kept.version());
+        frame.is_grainy.store(is_grainy, Ordering::Release);
+    }
+
     /// Shows the map in the viewport of a pass.
     pub(crate) fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
         match self.on {
             DrawingSurface::Window => self.draw_quads(pass),
-            DrawingSurface::Cleared | DrawingSurface::Kept => self.kept.show(pass),
+            DrawingSurface::Cleared | DrawingSurface::Kept => {
+                self.kept.show(pass, self.calm.shown());
+            }
         }
     }
 
@@ -382,7 +404,7 @@ impl CallbackTrait for MapFrame {
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(canvas) = resources.get_mut::<Canvas>() {
             canvas.load(device, queue, self);
-            canvas.draw(device, queue);
+            canvas.draw(device, queue, self);
         }
         Vec::new()
     }

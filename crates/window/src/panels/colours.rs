@@ -45,6 +45,9 @@ pub fn colours_panel(
     ui.separator();
     palettes(ui, &mut new);
     grounds(ui, &mut new.colours, colours.ground());
+    ui.checkbox(&mut new.denoise, "Smooth the grain of chaos").on_hover_text(
+        "Where neighbouring pixels are unrelated, each shows the mean of those along its band",
+    );
     if question.ask.is_time() {
         ui.separator();
         range(ui, &mut new, &tones);

@@ -1,6 +1,7 @@
 //! A map drawn on the graphics card has the same colours as a picture painted on the processor: for
 //! each sample, in mirror images, with stand-ins, and with doubts shown.
 
+mod calm;
 mod doubtful;
 mod fading;
 mod finer;

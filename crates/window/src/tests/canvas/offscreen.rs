@@ -77,7 +77,7 @@ impl Studio {
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
-        self.canvas.draw(device, queue);
+        self.canvas.draw(device, queue, &frame);
         let mut encoder = device.create_command_encoder(&Default::default());
         self.pass(&mut encoder, &target.create_view(&Default::default()));
         let pixels = device.create_buffer(&wgpu::BufferDescriptor {
