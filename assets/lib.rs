@@ -28,7 +28,10 @@ macro_rules! palettes {
     };
 }
 
-palettes! { "iris" "batlow" "viridis" "magma" "cividis" "romao" }
+palettes! {
+    "iris" "halo" "ember" "tide" "dusk" "batlow" "lipari" "viridis" "magma" "inferno" "plasma"
+    "cividis" "turbo" "romao" "twilight"
+}
 
 /// The page that shows a pyramid of tiles: a minijinja template.
 pub const PYRAMID_PAGE: &str = include_str!("pyramid/index.html");

@@ -74,7 +74,7 @@ impl AnswerColours {
                 let (unit, budget) = (scene.build.unit_secs(), scene.question.budget.secs);
                 Way::Times(channel, Tones::new(picture, unit, budget)?)
             }
-            ChannelScale::Cyclic => Way::Angle(channel, palette_or(picture, Palette::CYCLIC)?),
+            ChannelScale::Cyclic => Way::Angle(channel, palette_or(picture, Palette::OF_ANGLES)?),
             ChannelScale::Rates(most) => {
                 let most = most / scene.build.unit_secs();
                 let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;

@@ -74,8 +74,13 @@ impl Palette {
     pub(crate) const DEFAULT: &str = "iris";
     /// Name of the default palette in the first versions, which pictures from then record.
     const FIRST_DEFAULT: &str = "batlow";
-    /// Name of a cyclic palette.
-    pub const CYCLIC: &str = "romao";
+    /// Name of the cyclic palette of long films, which begins as the default does.
+    pub const CYCLIC: &str = "halo";
+    /// Name of the cyclic palette of angles.
+    pub(crate) const OF_ANGLES: &str = "romao";
+    /// Names of the palettes that lie on a light ground: those that begin in black, and those of
+    /// the first versions.
+    const ON_LIGHT: [&str; 6] = ["batlow", "viridis", "magma", "inferno", "cividis", "romao"];
 
     /// Name of a palette from dark to bright.
     pub(crate) const DARK_TO_BRIGHT: &str = "magma";
@@ -98,7 +103,8 @@ impl Palette {
             SceneError::new("palette", format!("'{name}'"), allowed)
         })?;
         let table = text.lines().filter_map(parse_colour).map(tint_of).collect();
-        let ground = if *name == Self::DEFAULT { Ground::DARK } else { Ground::LIGHT };
+        let is_light = Self::ON_LIGHT.contains(name);
+        let ground = if is_light { Ground::LIGHT } else { Ground::DARK };
         Ok(Palette { name, ground, table })
     }
 
@@ -220,7 +226,7 @@ mod tests {
     #[test]
     fn some_palettes_end_as_they_begin() {
         let cyclic: Vec<_> = Palette::names().filter(|name| Palette::is_cyclic(name)).collect();
-        assert_eq!(cyclic, [Palette::CYCLIC]);
+        assert_eq!(cyclic, [Palette::CYCLIC, Palette::OF_ANGLES, "twilight"]);
         assert!(Palette::is_cyclic("#102030,#ffffff,#112030") && !Palette::is_cyclic("rainbow"));
     }
 
