@@ -108,7 +108,7 @@ fn places() -> Harness<'static, Shown<(Places, PlaceForm), PlaceAction>> {
             PlaceAction::Change(new) => *form = new,
             PlaceAction::Rename(old, new) => places.rename(&old, &new).unwrap(),
             PlaceAction::Delete(name) => places.delete(&name).unwrap(),
-            PlaceAction::Open(_) | PlaceAction::Add(_) => {}
+            PlaceAction::Open(_) | PlaceAction::Visit(_) | PlaceAction::Add(_) => {}
         },
     )
 }
@@ -296,7 +296,8 @@ fn places_are_opened_kept_renamed_and_deleted() {
     press(&mut harness, "Open island");
     let [tip, island] = ["tip", "island"].map(|name| BuiltIn::named(name).unwrap().document());
     let open = |document: Document| PlaceAction::Open(Box::new(document));
-    assert_eq!(harness.state().asked, [open(tip), open(island)]);
+    let visit = PlaceAction::Visit(Box::new(island));
+    assert_eq!(harness.state().asked, [open(tip), visit]);
 
     harness.get_by_role_and_label(Role::TextInput, "Name").focus();
     harness.run_steps(2);

@@ -252,6 +252,19 @@ impl PictureTable {
         ask.channel(name).map(Shown::Channel).ok_or_else(refused)
     }
 
+    /// Returns this picture in the colours of another: what belongs to the picture itself stays.
+    pub fn with_colours_of(&self, other: &PictureTable) -> Self {
+        PictureTable {
+            curve: self.curve,
+            samples: self.samples,
+            adaptive: self.adaptive,
+            legend: self.legend,
+            bits: self.bits,
+            channel: self.channel.clone(),
+            ..other.clone()
+        }
+    }
+
     /// Returns true if the colours of times follow the view's own, because the user chose none.
     pub fn follows_view(&self) -> bool {
         self.times.is_empty() || self.of_view

@@ -125,6 +125,8 @@ pub enum Action {
     Escape,
     /// Shows a scene.
     Show(Box<Document>),
+    /// Shows a built-in place, in the colours that the user has chosen, if any.
+    Visit(Box<Document>),
     /// Opens a file.
     Open(PathBuf),
     /// Asks the user for a file to open.

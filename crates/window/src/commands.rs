@@ -72,13 +72,20 @@ fn moving() -> Vec<Command> {
         command("Zoom out", [key(PLAIN, Key::Minus)], zoom(1.0 / KEY_ZOOM)),
         command("The whole map", [key(PLAIN, Key::Num0)], Action::Look(Look::Home)),
         command(
-            "Back to the previous view",
-            [key(PLAIN, Key::Backspace), key(Modifiers::ALT, Key::ArrowLeft)],
+            "Back (undo)",
+            [
+                key(PLAIN, Key::Backspace),
+                key(Modifiers::ALT, Key::ArrowLeft),
+                key(Modifiers::COMMAND, Key::Z),
+            ],
             Action::Look(Look::Back),
         ),
         command(
-            "Forward again",
-            [key(Modifiers::ALT, Key::ArrowRight)],
+            "Forward (redo)",
+            [
+                key(Modifiers::ALT, Key::ArrowRight),
+                key(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z),
+            ],
             Action::Look(Look::Forward),
         ),
     ]
@@ -199,7 +206,7 @@ pub(crate) fn favourites() -> Vec<Command> {
 pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
     let panels = PANELS.map(|name| command(format!("Panel: {name}"), [], Action::Panel(name)));
     let places = BUILT_IN.iter().map(|place| {
-        let show = Action::Show(Box::new(place.document()));
+        let show = Action::Visit(Box::new(place.document()));
         command(format!("Place: {}", place.name), [], show)
     });
     let palettes = Palette::names().map(|name| {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::action::Action;
+use super::action::{Action, Look};
 use super::dialog::{DialogAnswer, FileDialog};
 use super::integration::Integration;
 use super::model::{AppModel, Asking};
@@ -29,6 +29,10 @@ impl AppModel {
         self.films.give_way_to(&action);
         let state = &mut self.state;
         match action {
+            Action::Look(look @ (Look::Back | Look::Forward)) => {
+                state.look(look);
+                self.follow(false);
+            }
             Action::Look(look) => state.look(look),
             Action::Hover(point) => state.pointer = point,
             Action::Drawing(drawing) => state.drawing = drawing,
@@ -59,6 +63,13 @@ impl AppModel {
             Action::Escape => self.escape(),
             Action::Show(document) => {
                 let reopens = state.show(&document);
+                self.follow(reopens);
+            }
+            Action::Visit(mut document) => {
+                let (picture, given) = (state.in_own_colours(&document.picture), document.picture);
+                document.picture = picture;
+                let reopens = state.show(&document);
+                state.given = given;
                 self.follow(reopens);
             }
             Action::Open(path) => self.open(&path),

@@ -10,15 +10,7 @@ pub(super) const DIGITS: std::ops::RangeInclusive<u8> = 1..=9;
 impl Settings {
     /// Keeps the colours of a picture under a digit, without times that were taken from the view.
     pub(crate) fn keep_colours(&mut self, digit: u8, picture: &PictureTable) {
-        let plain = PictureTable::default();
-        let mut kept = PictureTable {
-            curve: plain.curve,
-            samples: plain.samples,
-            legend: plain.legend,
-            bits: plain.bits,
-            channel: None,
-            ..picture.clone()
-        };
+        let mut kept = PictureTable::default().with_colours_of(picture);
         if kept.of_view {
             (kept.times, kept.of_view) = (Vec::new(), false);
         }
@@ -40,15 +32,7 @@ impl Settings {
         let kept: PictureTable = table.clone().try_into().map_err(|error: toml::de::Error| {
             format!("The colours kept under {digit} cannot be read: {}.", error.message())
         })?;
-        let kept = PictureTable {
-            curve: picture.curve,
-            samples: picture.samples,
-            adaptive: picture.adaptive,
-            legend: picture.legend,
-            bits: picture.bits,
-            channel: picture.channel.clone(),
-            ..kept
-        };
+        let kept = picture.with_colours_of(&kept);
         kept.check().map_err(|error| format!("The colours kept under {digit}: {error}."))?;
         Ok(kept)
     }

@@ -60,7 +60,7 @@ impl Films {
     pub(super) fn give_way_to(&mut self, action: &Action) {
         let leaves = match action {
             Action::Look(look) => *look != Look::Release,
-            Action::Escape | Action::Show(_) | Action::FromLab(_) => true,
+            Action::Escape | Action::Show(_) | Action::Visit(_) | Action::FromLab(_) => true,
             _ => false,
         };
         if leaves || matches!(action, Action::Scene(_)) {

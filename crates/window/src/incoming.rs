@@ -2,11 +2,10 @@
 
 use super::auto_budget::following;
 use super::camera::Camera;
-use super::history::History;
 use super::reach::Reach;
 use super::state::AppState;
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_scene::{Document, RunTable, Scene, location};
+use flipmap_scene::{Document, PictureTable, RunTable, Scene, location};
 
 impl AppState {
     /// Shows a document's pendulum, view and colours, with the accuracy that it states, if any.
@@ -15,9 +14,21 @@ impl AppState {
         let scene = document.scene();
         self.ask(&Scene { question: following(&scene), ..scene.clone() });
         self.picture = document.picture.clone();
+        self.given = document.picture.clone();
         self.layers.curve = document.picture.curve;
         self.go(Camera::from_view(&scene.view.fitted(self.canvas.to_array()), self.camera.reach));
         self.compute_as(&document.run)
+    }
+
+    /// Returns a picture of a place in the colours that the user has chosen since the last document
+    /// was shown; the place's own if there are none.
+    pub(super) fn in_own_colours(&self, place: &PictureTable) -> PictureTable {
+        let colours = |picture: &PictureTable| {
+            let times = if picture.of_view { Vec::new() } else { picture.times.clone() };
+            PictureTable { times, of_view: false, offset: 0.0, ..place.with_colours_of(picture) }
+        };
+        let own = colours(&self.picture);
+        if own == colours(&self.given) { place.clone() } else { own }
     }
 
     /// Changes the pendulum, the question and the plane. A plane of another kind gets its home
@@ -44,7 +55,6 @@ impl AppState {
         } else {
             Camera::home(reach, self.canvas)
         };
-        self.history = History::new(self.camera);
     }
 
     /// Applies a run table to everything computed from now on; an empty table changes nothing.

@@ -39,14 +39,12 @@ impl AppState {
             }
             Look::Home => self.go(Camera::home(self.camera.reach, self.canvas)),
             Look::Back => {
-                if let Some(camera) = self.history.back() {
-                    self.go(camera);
-                }
+                let then = self.history.back();
+                self.restore(then);
             }
             Look::Forward => {
-                if let Some(camera) = self.history.forward() {
-                    self.go(camera);
-                }
+                let then = self.history.forward();
+                self.restore(then);
             }
             Look::To(camera) => self.go(camera),
         }

@@ -45,6 +45,7 @@ impl AppModel {
                 return None;
             }
             PlaceAction::Open(document) => return Some(Action::Show(document)),
+            PlaceAction::Visit(document) => return Some(Action::Visit(document)),
             PlaceAction::Add(name) => {
                 let picture = view_samples::picture(&self.state, &mut self.compute.explorer);
                 self.places.add(&name, picture)

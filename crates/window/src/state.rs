@@ -6,7 +6,7 @@ use super::auto_budget::following;
 use super::camera::{Camera, Move, Screen};
 use super::colour_cycle::ColourCycle;
 use super::flight::playback::Playback;
-use super::history::History;
+use super::history::{History, Snapshot};
 use super::integration::Integration;
 use super::notices::Notices;
 use super::pins::{PinAction, Pins};
@@ -93,8 +93,13 @@ pub struct AppState {
     pub moving: Option<Move>,
     /// True while the map is being dragged.
     pub dragging: bool,
-    /// History of visited views.
-    pub history: History,
+    /// History of what was shown.
+    pub(crate) history: History<Snapshot>,
+    /// The moment of the window's clock, in s, at which something other than the view changed last;
+    /// none if the view has changed since.
+    pub(super) changed_secs: Option<f64>,
+    /// The colours of the document that was shown last, before the user changed them.
+    pub(super) given: PictureTable,
     /// Size of the canvas in points.
     pub canvas: DVec2,
     /// Physical pixels per point.
@@ -123,16 +128,21 @@ impl AppState {
         let scene = document.scene();
         let canvas = DVec2::new(1280.0, 800.0);
         let camera = Camera::from_view(&scene.view.fitted(canvas.to_array()), Reach::of(&scene));
+        let question = following(&scene);
+        let asked = Scene { question, ..scene.clone() };
+        let first = Snapshot::new(&asked, camera, document.picture.clone());
         AppState {
             build: scene.build,
-            question: following(&scene),
+            question,
             plane: scene.plane.clone(),
             picture: document.picture.clone(),
             integration: Integration { spec, kind: None },
             camera,
             moving: None,
             dragging: false,
-            history: History::new(camera),
+            history: History::new(first),
+            changed_secs: None,
+            given: document.picture.clone(),
             canvas,
             pixels_per_point: 1.0,
             pointer: None,
@@ -221,7 +231,7 @@ impl AppState {
             }
         }
         if self.moving.is_none() && !self.dragging {
-            self.history.visit(self.camera);
+            self.record();
         }
         self.pins.advance(elapsed_secs);
         let budget_secs = self.question.budget.secs;

@@ -37,6 +37,8 @@ pub enum PlaceAction {
     Change(PlaceForm),
     /// Opens this document.
     Open(Box<Document>),
+    /// Opens this built-in place.
+    Visit(Box<Document>),
     /// Adds a bookmark of the view under this name.
     Add(String),
     /// Renames the bookmark with the first name to the second name.
@@ -119,7 +121,7 @@ pub fn places_panel(
             }
             ui.vertical(|ui| {
                 if named(ui, scene.name, &format!("Open {}", scene.name)) {
-                    actions.push(PlaceAction::Open(Box::new(scene.document())));
+                    actions.push(PlaceAction::Visit(Box::new(scene.document())));
                 }
                 ui.label(scene.sentence());
             });
