@@ -262,7 +262,7 @@ fn palette_help() -> String {
         .map(|name| if Palette::is_cyclic(name) { format!("{name} (cyclic)") } else { name.into() })
         .collect();
     format!(
-        "Colour palette: {}; colours from early to late (#000000,#ff8000,#ffffff); or a gradient \
+        "Colour palette: {}; random-7, or any other number; colours from early to late (#000000,#ff8000,#ffffff); or a gradient \
          file (.map, .ugr, .gpl)",
         in_a_row(&names, "or")
     )

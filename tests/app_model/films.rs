@@ -63,15 +63,15 @@ fn a_film_is_made_as_from_a_terminal_and_what_cannot_be_says_why() {
     desktop.state_mut().films.draft.size = [48, 32];
     desktop.state_mut().films.draft.fps = 1.0;
     type_over(&mut desktop, Role::TextInput, "Film to", &path("film.txt"));
-    click(&mut desktop, "Film it");
+    click(&mut desktop, "Make film");
     until(&mut desktop, "the refusal", |desktop| {
         desktop.query_by_label_contains("film.txt: a film is an .mp4").is_some()
     });
     click(&mut desktop, "Dismiss film.txt");
     type_over(&mut desktop, Role::TextInput, "Film to", &path("film"));
-    click(&mut desktop, "Film it");
+    click(&mut desktop, "Make film");
     until(&mut desktop, "the film", |desktop| desktop.query_by_label_contains("Done in").is_some());
-    type_over(&mut desktop, Role::TextInput, "Keys in", &path("keys.toml"));
+    type_over(&mut desktop, Role::TextInput, "Keyframes file", &path("keys.toml"));
     click(&mut desktop, "Save keys");
     assert!(notices(&desktop).contains("keys.toml"));
     let keys = Keys::parse(&fs::read_to_string(path("keys.toml")).unwrap()).unwrap();
@@ -103,7 +103,7 @@ fn a_film_that_is_stopped_ends_its_process_and_keeps_its_samples() {
     // Large enough to be under way when it is stopped.
     desktop.state_mut().films.draft.size = [4096, 2160];
     type_over(&mut desktop, Role::TextInput, "Film to", &path);
-    click(&mut desktop, "Film it");
+    click(&mut desktop, "Make film");
     until(&mut desktop, "the first samples", |desktop| {
         desktop.query_by_label_contains(" %, ").is_some()
     });

@@ -60,13 +60,11 @@ fn the_colours_run_and_compute_nothing() {
     let picture = |desktop: &Desktop| desktop.state().state.picture.clone();
     let before = picture(&desktop);
     click(&mut desktop, "Colours");
-    until(&mut desktop, "the panel", |desktop| {
-        desktop.query_by_label("Let the colours run").is_some()
-    });
-    click(&mut desktop, "Let the colours run");
+    until(&mut desktop, "the panel", |desktop| desktop.query_by_label("Cycle colours").is_some());
+    click(&mut desktop, "Cycle colours");
     until(&mut desktop, "the palette to move on", |desktop| picture(desktop).offset > 0.05);
     assert!(picture(&desktop).mirror, "a palette with ends shows no seam");
-    click(&mut desktop, "Let the colours run");
+    click(&mut desktop, "Cycle colours");
     let stands = picture(&desktop);
     desktop.run_steps(5);
     assert_eq!(picture(&desktop), stands);

@@ -275,7 +275,7 @@ fn what_was_chosen_is_there_again() {
     click(&mut first, "Window");
     click(&mut first, "light");
     click(&mut first, "Larger");
-    click(&mut first, "Smooth moves");
+    click(&mut first, "Animate");
     click(&mut first, "4 samples");
     settle(&mut first);
     let there = place(&first);

@@ -241,7 +241,7 @@ fn colours_follow_what_is_pressed_and_typed() {
     assert!(harness.state().state.times[0] < 8.0);
     press(&mut harness, "Equalise to this view");
     assert_eq!(harness.state().asked.last(), Some(&ColourAction::Equalise));
-    press(&mut harness, "Back to the default");
+    press(&mut harness, "Reset");
     assert_eq!(harness.state().state, PictureTable::default());
 }
 

@@ -9,6 +9,7 @@ use glam::DVec2;
 use super::action::{Action, LabAction, Look};
 use super::favourites::DIGITS;
 use super::flight::playback::Playback;
+use super::panels::colours::any_palette;
 use super::settings::{EdgeSamples, Layers, Theme};
 use super::side_panel::PANELS;
 use super::state::{AppState, Dialog};
@@ -25,6 +26,15 @@ pub(crate) struct Command {
     pub keys: Vec<KeyboardShortcut>,
     /// Action that it triggers.
     pub action: Action,
+    /// Other words, in lower case, under which it is found.
+    pub also: &'static str,
+}
+
+impl Command {
+    /// Returns the command, which is also found under these words.
+    fn also(self, also: &'static str) -> Self {
+        Command { also, ..self }
+    }
 }
 
 /// Share of the canvas by which an arrow key moves the view.
@@ -40,10 +50,10 @@ fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
 
 /// Returns every command, as it would act on a state.
 pub(crate) fn commands(state: &AppState) -> Vec<Command> {
-    let mut commands = moving();
+    let mut commands = doing(state);
     commands.extend(showing(&state.layers));
-    commands.extend(doing(state));
     commands.extend(teaching());
+    commands.extend(moving());
     #[cfg(feature = "rigs")]
     if state.shown.debug {
         commands.push(command("Lose the graphics device", [], Action::LoseDevice));
@@ -57,7 +67,7 @@ fn command(
     action: Action,
 ) -> Command {
     let name = name.into();
-    Command { name, keys: keys.into_iter().collect(), action }
+    Command { name, keys: keys.into_iter().collect(), action, also: "" }
 }
 
 fn moving() -> Vec<Command> {
@@ -79,7 +89,8 @@ fn moving() -> Vec<Command> {
                 key(Modifiers::COMMAND, Key::Z),
             ],
             Action::Look(Look::Back),
-        ),
+        )
+        .also("previous view"),
         command(
             "Forward (redo)",
             [
@@ -87,7 +98,8 @@ fn moving() -> Vec<Command> {
                 key(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z),
             ],
             Action::Look(Look::Forward),
-        ),
+        )
+        .also("next view"),
     ]
 }
 
@@ -133,16 +145,16 @@ fn doing(state: &AppState) -> Vec<Command> {
             Action::Timeline(state.shown.timeline.xor(Some(Playback::default()))),
         ),
         command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
-        command("Copy the location", ctrl(Key::L), Action::CopyLocation),
+        command("Copy the location", ctrl(Key::L), Action::CopyLocation).also("share link"),
         command("Accuracy: lesson", [], accuracy(Accuracy::Lesson)),
         command("Accuracy: fast", [], accuracy(Accuracy::Fast)),
         command("Accuracy: balanced", [], accuracy(Accuracy::Balanced)),
         command("Accuracy: exact", [], accuracy(Accuracy::Exact)),
         command("Interface larger", ctrl(Key::Plus), scale(1.1)),
         command("Interface smaller", ctrl(Key::Minus), scale(1.0 / 1.1)),
-        command("Dark", [], Action::Theme(Theme::Dark)),
-        command("Light", [], Action::Theme(Theme::Light)),
-        command("Smooth moves on or off", [], Action::Animate(!state.look.animate)),
+        command("Dark", [], Action::Theme(Theme::Dark)).also("theme"),
+        command("Light", [], Action::Theme(Theme::Light)).also("theme"),
+        command("Animate moves on or off", [], Action::Animate(!state.look.animate)),
         command("Anti-aliasing at rest: none", [], Action::Edges(EdgeSamples::One)),
         command("Anti-aliasing at rest: 4 samples", [], Action::Edges(EdgeSamples::Four)),
         command("Anti-aliasing at rest: 16 samples", [], Action::Edges(EdgeSamples::Sixteen)),
@@ -201,10 +213,50 @@ pub(crate) fn favourites() -> Vec<Command> {
     DIGITS.zip(KEYS).flat_map(of_digit).collect()
 }
 
+/// Returns words for what is in a panel.
+fn about(panel: &str) -> &'static str {
+    match panel {
+        "Pendulum of a pixel" => "pins trail twin plot energy phase",
+        "View" => "centre width rotate stretch",
+        "Places" => "bookmarks scenes save this view",
+        "Deeper" => "zoom descent filament",
+        "Scene" => {
+            "question growth state first flips return chaos lyapunov mass length gravity friction \
+             budget time plane section speeds rods points bob"
+        }
+        "Accuracy" => "engine method tolerance gpu cpu exact balanced fast precision check",
+        "Colours" => "palette gradient relief times equalise cycles legend",
+        "Layers" => "legend grid curve trust swing borders",
+        "Export" => "save picture png screenshot image poster tiles",
+        "Film" => "video movie keyframes mp4 animation",
+        "Window" => "settings preferences theme cache edges anti-aliasing scale",
+        _ => "",
+    }
+}
+
 /// Returns the commands that only the command palette lists: panels, places, palettes and
 /// favourites. Other callers avoid the cost of reading the scenes.
 pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
-    let panels = PANELS.map(|name| command(format!("Panel: {name}"), [], Action::Panel(name)));
+    let panels = PANELS
+        .map(|name| command(format!("Panel: {name}"), [], Action::Panel(name)).also(about(name)));
+    let painted = |change: fn(&mut PictureTable)| {
+        let mut picture = picture.clone();
+        change(&mut picture);
+        Action::Picture(picture)
+    };
+    let colours = [
+        command("Random palette", [], painted(|p| p.palette = any_palette())).also("colours die"),
+        command(
+            "Relief on or off",
+            [],
+            painted(|p| p.relief = if p.relief > 0.0 { 0.0 } else { 0.6 }),
+        )
+        .also("light shading landscape"),
+        command("Smooth the grain on or off", [], painted(|p| p.denoise ^= true))
+            .also("denoise noise velvet"),
+        command("Colours of this view's own times", [], painted(|p| p.times.clear()))
+            .also("equalise histogram auto"),
+    ];
     let places = BUILT_IN.iter().map(|place| {
         let show = Action::Visit(Box::new(place.document()));
         command(format!("Place: {}", place.name), [], show)
@@ -213,7 +265,7 @@ pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
         let picture = PictureTable { palette: name.to_string(), ..picture.clone() };
         command(format!("Palette: {name}"), [], Action::Picture(picture))
     });
-    panels.into_iter().chain(places).chain(palettes).chain(favourites()).collect()
+    colours.into_iter().chain(panels).chain(places).chain(palettes).chain(favourites()).collect()
 }
 
 /// Takes the shortcuts of commands out of the input and returns their actions. While `typing`,
@@ -225,8 +277,9 @@ pub(crate) fn pressed(input: &mut egui::InputState, state: &AppState, typing: bo
         .chain(favourites())
         .flat_map(|c| c.keys.into_iter().map(move |key| (key, c.action.clone())))
         .collect();
-    // egui matches a shortcut without modifiers even with Alt held, so specific ones come first.
-    known.sort_by_key(|(key, _)| std::cmp::Reverse(usize::from(key.modifiers != PLAIN)));
+    // egui matches a shortcut even with more modifiers held, so specific ones come first.
+    let held = |of: Modifiers| [of.alt, of.shift, of.command].into_iter().filter(|h| *h).count();
+    known.sort_by_key(|(key, _)| std::cmp::Reverse(held(key.modifiers)));
     for (shortcut, action) in known {
         let for_text = shortcut.modifiers == PLAIN && !is_function_key(shortcut.logical_key);
         if typing && for_text && shortcut.logical_key != Key::Escape {

@@ -10,7 +10,7 @@ use flipmap_scene::Scene;
 /// Time that the pointer rests before the pendulum is let go, s.
 const REST_SECS: f64 = 0.6;
 /// Time that it swings, in s; after that, nothing is redrawn.
-const SWING_SECS: f64 = 12.0;
+const SWING_SECS: f64 = 6.0;
 /// Longest integration step in s: fine enough for the eye, but not for the map.
 const STEP_SECS: f64 = 1.0 / 240.0;
 

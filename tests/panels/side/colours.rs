@@ -15,7 +15,7 @@ fn repeats_and_light_follow_the_sliders() {
     let picture = &harness.state().state;
     assert!(picture.mirror);
     assert_eq!((picture.offset, picture.relief, picture.light), (0.25, 0.5, 90.0));
-    press(&mut harness, "Let the colours run");
+    press(&mut harness, "Cycle colours");
     let runs = ColourCycle { runs: true, ..ColourCycle::default() };
     assert_eq!(harness.state().asked.last(), Some(&ColourAction::Cycle(runs)));
 }
@@ -59,6 +59,6 @@ fn colours_beside_the_palette_are_picked() {
     }
     harness.state_mut().state.colours.curve = Some("#ff0000".to_string());
     harness.run_steps(2);
-    press(&mut harness, "Back to the default");
+    press(&mut harness, "Reset");
     assert_eq!(harness.state().state, PictureTable::default());
 }

@@ -52,7 +52,7 @@ fn a_film_is_previewed_and_made_once_it_has_two_keys() {
     let mut harness = panel(&["6.3"]);
     assert!(harness.query_by_label("Preview").is_none());
     harness.get_by_label_contains("needs two keys");
-    press(&mut harness, "Film it");
+    press(&mut harness, "Make film");
     assert!(harness.state().asked.is_empty(), "a film of one view cannot be made");
 
     let mut harness = panel(&["6.3", "0.2"]);
@@ -65,7 +65,7 @@ fn a_film_is_previewed_and_made_once_it_has_two_keys() {
     let draft = &harness.state().state;
     assert_eq!((draft.size, draft.fps), ([640, 360], 24.0));
     for (name, asked) in [
-        ("Film it", FilmAction::Start),
+        ("Make film", FilmAction::Start),
         ("Choose…", FilmAction::Browse),
         ("Save keys", FilmAction::SaveKeys),
         ("Open keys", FilmAction::OpenKeys),

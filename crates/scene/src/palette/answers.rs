@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::oklab::from_oklab;
 use super::steps::WholeNumbers;
 use super::{FAILED, Ground, Palette, Rgb, Tint, Tones, rounded, tint_of};
 use crate::question::{ChannelScale, Painted};
@@ -158,9 +159,8 @@ fn palette_or(picture: &PictureTable, other: &str) -> Result<Palette, SceneError
     Palette::named(if is_unchosen { other } else { &picture.palette })
 }
 
-/// Returns the colour of two angles. In Oklab (Ottosson, *A perceptual color space for image
-/// processing*, 2020), θ1 goes once around the hues, and θ2 once around a circle of lightness and
-/// chroma. Every pair has a colour of its own, without a seam at ±π. Lightness alone shows |θ2|,
+/// Returns the colour of two angles. In Oklab, θ1 goes once around the hues, and θ2 once around
+/// a circle of lightness and chroma. Every pair has a colour of its own, without a seam at ±π. Lightness alone shows |θ2|,
 /// even to colour-blind people.
 pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Tint {
     let (sin2, cos2) = theta2.sin_cos();
@@ -168,20 +168,6 @@ pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Tint {
     let chroma = 0.105 + 0.035 * sin2;
     let (sin1, cos1) = theta1.sin_cos();
     from_oklab([lightness, chroma * cos1, chroma * sin1])
-}
-
-/// Converts Oklab to sRGB, and clips colours outside its gamut.
-fn from_oklab([lightness, a, b]: [f64; 3]) -> Tint {
-    let cube = |x: f64| x * x * x;
-    let l = cube(lightness + 0.396_337_777_4 * a + 0.215_803_757_3 * b);
-    let m = cube(lightness - 0.105_561_345_8 * a - 0.063_854_172_8 * b);
-    let s = cube(lightness - 0.089_484_177_5 * a - 1.291_485_548_0 * b);
-    [
-        4.076_741_662_1 * l - 3.307_711_591_3 * m + 0.230_969_929_2 * s,
-        -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
-        -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
-    ]
-    .map(super::channel_of)
 }
 
 #[cfg(test)]

@@ -4,6 +4,8 @@ mod answers;
 pub mod gradient;
 mod ground;
 mod legend;
+mod oklab;
+mod random;
 mod relief;
 mod spread;
 mod steps;
@@ -13,6 +15,7 @@ mod tones;
 pub use answers::AnswerColours;
 pub use ground::{Ground, GroundTable, colour_text};
 pub use legend::{BarLabels, LegendTitle};
+pub use random::random_palette;
 pub use relief::Relief;
 pub use spread::ViewTimes;
 pub use time_scale::TimeScale;
@@ -91,12 +94,19 @@ impl Palette {
         if name.starts_with('#') {
             return Self::of_list(name);
         }
+        if let Some(seed) = random::seed_of(name) {
+            return Ok(Palette {
+                name: "random",
+                ground: Ground::DARK,
+                table: random::table(seed),
+            });
+        }
         let found = PALETTES.iter().find(|(known, _)| *known == name);
         let (name, text) = found.ok_or_else(|| {
             let names: Vec<&str> = Self::names().collect();
             let allowed = format!(
-                "the palettes are {}, lists of colours (#000000,#ff8000,#ffffff) and files .map, \
-                 .ugr and .gpl{}",
+                "the palettes are {}, random-1, random-2 and so on, lists of colours \
+                 (#000000,#ff8000,#ffffff) and files .map, .ugr and .gpl{}",
                 names.join(", "),
                 did_you_mean(&names, name)
             );

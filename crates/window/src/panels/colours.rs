@@ -7,7 +7,7 @@ use super::field::number;
 use super::ground::grounds;
 use super::stops::stops;
 use crate::colour_cycle::{CYCLE_SPEEDS, ColourCycle};
-use flipmap_scene::palette::{AnswerColours, Palette, Tones};
+use flipmap_scene::palette::{AnswerColours, Palette, Tones, random_palette};
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{PictureTable, Scale, Scene};
 
@@ -71,7 +71,7 @@ pub fn colours_panel(
 fn back(ui: &mut Ui, picture: &PictureTable) -> Option<ColourAction> {
     let PictureTable { curve, samples, bits, .. } = *picture;
     let plain = PictureTable { curve, samples, bits, ..PictureTable::default() };
-    let button = ui.add_enabled(*picture != plain, egui::Button::new("Back to the default"));
+    let button = ui.add_enabled(*picture != plain, egui::Button::new("Reset"));
     button.clicked().then_some(ColourAction::Paint(plain))
 }
 
@@ -96,23 +96,45 @@ fn channels(ui: &mut Ui, picture: &mut PictureTable, ask: QuestionName) {
 }
 
 fn palettes(ui: &mut Ui, picture: &mut PictureTable) {
-    Grid::new("palettes").num_columns(2).show(ui, |ui| {
-        // The user's own gradient, while it is in use.
-        let own = picture.palette.starts_with('#').then(|| picture.palette.clone());
-        let named = Palette::names().map(str::to_string);
-        for text in named.chain(own) {
-            let Ok(palette) = Palette::named(&text) else { continue };
-            ui.radio_value(&mut picture.palette, text, palette.name);
-            let response = strip(ui, 14.0, |share| palette.colour(share));
-            response.widget_info(|| {
-                WidgetInfo::labeled(Role::Image, true, format!("Colours of {}", palette.name))
-            });
+    // The user's own gradient or a random palette, while it is in use.
+    let is_listed = Palette::names().any(|name| name == picture.palette);
+    let own = (!is_listed).then(|| picture.palette.clone());
+    let named: Vec<String> = Palette::names().map(str::to_string).chain(own).collect();
+    let strip_width = 0.5 * ui.available_width() - NAME_WIDTH;
+    Grid::new("palettes").num_columns(4).show(ui, |ui| {
+        for pair in named.chunks(2) {
+            for text in pair {
+                let Ok(palette) = Palette::named(text) else { continue };
+                ui.radio_value(&mut picture.palette, text.clone(), palette.name);
+                ui.allocate_ui(egui::vec2(strip_width, 14.0), |ui| {
+                    let response = strip(ui, 14.0, |share| palette.colour(share));
+                    response.widget_info(|| {
+                        WidgetInfo::labeled(
+                            Role::Image,
+                            true,
+                            format!("Colours of {}", palette.name),
+                        )
+                    });
+                });
+            }
             ui.end_row();
         }
     });
+    let die = ui.button("Random palette");
+    if die.on_hover_text("Every press draws another one; the scene keeps its number").clicked() {
+        picture.palette = any_palette();
+    }
     ui.label("Drop a gradient on the window: .map, .ugr or .gpl.");
     stops(ui, &mut picture.palette);
     ui.checkbox(&mut picture.reverse, "Reverse the palette");
+}
+
+/// Width of a palette's name with its button, and of the gaps beside them, in points.
+const NAME_WIDTH: f32 = 88.0;
+
+/// Returns the name of a random palette, with a number that is short enough to read out.
+pub(crate) fn any_palette() -> String {
+    random_palette(fastrand::u32(1..10_000))
 }
 
 /// Shows the offset and the mirroring of the palette. Mirroring is turned on when the palette
@@ -139,7 +161,7 @@ fn animated(ui: &mut Ui, has_samples: bool, cycle: &ColourCycle) -> Option<Colou
     }
     let mut new = *cycle;
     ui.horizontal(|ui| {
-        ui.checkbox(&mut new.runs, "Let the colours run");
+        ui.checkbox(&mut new.runs, "Cycle colours");
         let name = ui.label("Speed");
         ui.spacing_mut().slider_width = 70.0;
         let speed = Slider::new(&mut new.speed, CYCLE_SPEEDS).logarithmic(true).show_value(false);

@@ -149,7 +149,7 @@ fn samples(ui: &mut Ui, form: &mut ExportForm) {
     let (least, most) = PictureTable::SAMPLES.into_inner();
     let range = f64::from(least)..=f64::from(most);
     let along = f64::from(form.samples.along());
-    if let Some(new) = number(ui, "Samples", " a side", along, range) {
+    if let Some(new) = number(ui, "Anti-aliasing", " samples a side", along, range) {
         form.samples = match new.round() as u32 {
             1 => Sampling::Corners,
             along => Sampling::Square(along),
@@ -161,7 +161,7 @@ fn samples(ui: &mut Ui, form: &mut ExportForm) {
         ui.checkbox(&mut form.adaptive, "only where colours change");
     } else {
         let mut corners = form.samples == Sampling::Corners;
-        ui.checkbox(&mut corners, "and in corners where colours change");
+        ui.checkbox(&mut corners, "smart: also in corners where colours change");
         form.samples = if corners { Sampling::Corners } else { Sampling::SINGLE };
     }
     ui.end_row();

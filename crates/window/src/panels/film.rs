@@ -67,8 +67,8 @@ pub fn film_panel(ui: &mut Ui, draft: &FilmDraft, exports: &[ExportStatus]) -> V
     let problem = draft.problem();
     let can = problem.is_none();
     let name = match std::path::Path::new(&draft.path).is_file() {
-        true => "Film it and replace the file",
-        false => "Film it",
+        true => "Make film and replace the file",
+        false => "Make film",
     };
     if ui.add_enabled(can, Button::new(name)).clicked() {
         actions.push(FilmAction::Start);
@@ -160,7 +160,7 @@ fn preview(ui: &mut Ui, draft: &FilmDraft, actions: &mut Vec<FilmAction>) {
 
 fn keys_file(ui: &mut Ui, draft: &mut FilmDraft, actions: &mut Vec<FilmAction>) {
     ui.horizontal(|ui| {
-        let label = ui.label("Keys in");
+        let label = ui.label("Keyframes file");
         let width = (ui.available_width() - 165.0).max(60.0);
         let field = TextEdit::singleline(&mut draft.keys_path).desired_width(width);
         ui.add(field).labelled_by(label.id);

@@ -18,7 +18,7 @@ pub(crate) const POINTER: [(&str, &str); 11] = [
     ("Alt+drag, drag with the right button", "Turn the map"),
     ("Alt+wheel", "Stretch the map"),
     ("Drop a picture or scene", "Show it"),
-    ("1 to 9", "Favourite colours; with Shift, keep the current ones"),
+    ("1 to 9", "Favourite colours; with Shift, save the current ones"),
     ("Ctrl+V", "Go to a location that was copied"),
     ("Tab, Shift+Tab", "Go through all controls"),
 ];
@@ -74,12 +74,13 @@ fn row(ui: &mut Ui, keys: &str, does: &str) {
     ui.end_row();
 }
 
-/// Returns the commands whose names contain every word of a query, in their original order.
+/// Returns the commands whose names or other names contain every word of a query, in their original
+/// order.
 pub(crate) fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let fits = |command: &&Command| {
         let name = command.name.to_lowercase();
-        words.iter().all(|word| name.contains(word))
+        words.iter().all(|word| name.contains(word) || command.also.contains(&**word))
     };
     commands.iter().filter(fits).collect()
 }
@@ -133,7 +134,7 @@ pub(crate) fn palette(ctx: &egui::Context, commands: &[Command]) -> Vec<Action> 
                 }
             }
             if found.is_empty() {
-                ui.label("No command has these words.");
+                ui.label("Nothing found.");
             }
         });
         ui.data_mut(|data| data.insert_temp(memory(), search));

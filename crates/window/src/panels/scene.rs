@@ -71,7 +71,11 @@ const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay togeth
                        when neighbouring pixels of the middle have come a turn apart, in steps of 5 s \
                        (of the default pendulum)";
 
+/// Time in s of the states that are shown first: later ones are noise over most of the map.
+const FIRST_STATE_SECS: f64 = 5.0;
+
 fn asked(ui: &mut Ui, question: &mut QuestionSettings) {
+    let before = question.ask;
     let label = ui.label("Question");
     let combo = ComboBox::from_id_salt("ask").selected_text(question.ask.kind().name);
     let combo = combo.show_ui(ui, |ui| {
@@ -82,6 +86,9 @@ fn asked(ui: &mut Ui, question: &mut QuestionSettings) {
     });
     combo.response.labelled_by(label.id);
     ui.end_row();
+    if question.ask == QuestionName::State && before != QuestionName::State {
+        question.at = Some(FIRST_STATE_SECS).filter(|secs| *secs < question.budget.secs);
+    }
     let kind = question.ask.kind();
     if kind.watches == Watches::TheRule {
         rule(ui, &mut question.rule);

@@ -27,11 +27,11 @@ pub(crate) fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Setting
         }
     });
     let mut animate = state.look.animate;
-    if ui.checkbox(&mut animate, "Smooth moves").changed() {
+    if ui.checkbox(&mut animate, "Animate").changed() {
         actions.push(Action::Animate(animate));
     }
     ui.horizontal(|ui| {
-        ui.label("Edges at rest").on_hover_text(
+        ui.label("Smoothing when idle").on_hover_text(
             "Samples of a pixel where the map has edges, computed once all of it is known: they \
              smooth what is finer than a pixel",
         );

@@ -76,7 +76,13 @@ fn words(readings: &[Reading], growth: Option<Growth>, secs: f64) -> String {
         Some(Growth { rate_per_sec, until_secs, .. }) => {
             // Adding 0 after rounding avoids "-0.00".
             let rate = (rate_per_sec * 100.0).round() / 100.0 + 0.0;
-            format!("grows at {rate:.2} 1/s up to {} s", round_secs(until_secs))
+            let until = round_secs(until_secs);
+            match rate {
+                rate if rate > 0.0 => {
+                    format!("grows × e every {} s up to {until} s", round_secs(1.0 / rate))
+                }
+                rate => format!("grows at {rate:.2} a second up to {until} s"),
+            }
         }
         None => "no growth rate can be told".into(),
     };
