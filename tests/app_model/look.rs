@@ -25,7 +25,7 @@ fn digits_bring_kept_colours_back_also_in_the_next_window() {
     press(&mut next, Modifiers::NONE, Key::Num2);
     assert_eq!(next.state().state.picture, kept);
     press(&mut next, Modifiers::NONE, Key::F1);
-    next.get_by_label("Favourite colours; with Shift, keep the current ones");
+    next.get_by_label("Favourite colours; with Shift, save the current ones");
 }
 
 #[test]

@@ -162,7 +162,7 @@ fn an_export_is_as_large_as_the_map_and_its_samples_are_those_shown() {
     let canvas = desktop.state().state.canvas;
     let width = desktop.get_by_role_and_label(Role::SpinButton, "Width").value().unwrap();
     assert_eq!(width, format!("{} px", canvas.x.round()));
-    type_over(&mut desktop, Role::SpinButton, "Samples", "3");
+    type_over(&mut desktop, Role::SpinButton, "Anti-aliasing", "3");
     assert_eq!(desktop.state().state.picture.samples, Sampling::Square(3));
     let here = std::env::current_dir().unwrap().join("map.png");
     assert!(desktop.query_by_label(here.to_str().unwrap()).is_some(), "the whole path");

@@ -261,13 +261,13 @@ fn exports_begin_and_stop_by_name() {
     choose(&mut harness, "Size", "1024 × 1024");
     let form = &harness.state().state;
     assert_eq!((form.as_window, form.size), (false, [1024, 1024]));
-    assert!(harness.query_by_label("Samples").is_none(), "numbers have one sample each");
+    assert!(harness.query_by_label("Anti-aliasing").is_none(), "numbers have one sample each");
     press(&mut harness, "picture");
     for samples in [Sampling::SINGLE, Sampling::Corners] {
-        press(&mut harness, "and in corners where colours change");
+        press(&mut harness, "smart: finer where colours change");
         assert_eq!(harness.state().state.samples, samples);
     }
-    type_over(&mut harness, "Samples", "99");
+    type_over(&mut harness, "Anti-aliasing", "99");
     assert_eq!(harness.state().state.samples, Sampling::Square(8));
     press(&mut harness, "raw numbers");
     for name in ["Browse…", "Export", "Stop a.png", "Dismiss b.png"] {

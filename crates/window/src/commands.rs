@@ -254,8 +254,8 @@ pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
         .also("light shading landscape"),
         command("Smooth the grain on or off", [], painted(|p| p.denoise ^= true))
             .also("denoise noise velvet"),
-        command("Colours of this view's own times", [], painted(|p| p.times.clear()))
-            .also("equalise histogram auto"),
+        command("Spread the palette over this view", [], painted(|p| p.times.clear()))
+            .also("colours equalise histogram auto times"),
     ];
     let places = BUILT_IN.iter().map(|place| {
         let show = Action::Visit(Box::new(place.document()));

@@ -29,11 +29,7 @@ impl AppModel {
         self.films.give_way_to(&action);
         let state = &mut self.state;
         match action {
-            Action::Look(look @ (Look::Back | Look::Forward)) => {
-                state.look(look);
-                self.follow(false);
-            }
-            Action::Look(look) => state.look(look),
+            Action::Look(look) => self.look(look),
             Action::Hover(point) => state.pointer = point,
             Action::Drawing(drawing) => state.drawing = drawing,
             Action::GoDeeper => self.films.toggle_descent(state, &self.request, &self.wake),
@@ -65,11 +61,8 @@ impl AppModel {
                 let reopens = state.show(&document);
                 self.follow(reopens);
             }
-            Action::Visit(mut document) => {
-                let (picture, given) = (state.in_own_colours(&document.picture), document.picture);
-                document.picture = picture;
-                let reopens = state.show(&document);
-                state.given = given;
+            Action::Visit(document) => {
+                let reopens = state.visit(*document);
                 self.follow(reopens);
             }
             Action::Open(path) => self.open(&path),
@@ -91,6 +84,14 @@ impl AppModel {
             Action::Quit => return Some(Effect::Quit),
         }
         None
+    }
+
+    /// Carries out a movement of the view. Through the history, the question may change with it.
+    fn look(&mut self, look: Look) {
+        self.state.look(look);
+        if matches!(look, Look::Back | Look::Forward) {
+            self.follow(false);
+        }
     }
 
     /// Changes how pixels are computed, and opens the engine for it.

@@ -20,9 +20,18 @@ impl AppState {
         self.compute_as(&document.run)
     }
 
+    /// Shows a built-in place as a document, in the colours that the user has chosen, if any.
+    pub(super) fn visit(&mut self, mut place: Document) -> bool {
+        let given = place.picture;
+        place.picture = self.in_own_colours(&given);
+        let reopens = self.show(&place);
+        self.given = given;
+        reopens
+    }
+
     /// Returns a picture of a place in the colours that the user has chosen since the last document
     /// was shown; the place's own if there are none.
-    pub(super) fn in_own_colours(&self, place: &PictureTable) -> PictureTable {
+    fn in_own_colours(&self, place: &PictureTable) -> PictureTable {
         let colours = |picture: &PictureTable| {
             let times = if picture.of_view { Vec::new() } else { picture.times.clone() };
             PictureTable { times, of_view: false, offset: 0.0, ..place.with_colours_of(picture) }

@@ -7,18 +7,18 @@
 //! pixels around it: far along the band, which the structure tensor finds (Förstner and Gülch,
 //! 1987), and hardly across it. A resolved pixel neither changes nor contributes.
 
-mod kernels;
 mod rows;
 mod structure;
+mod weights;
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
 use flipmap_scene::palette::{FAILED, Ground, Tint, channel_of, light_of, tint_of};
-use kernels::{Kernels, RADIUS};
 pub(crate) use rows::DenoisedRows;
 use structure::Structure;
+use weights::{BandWeights, RADIUS};
 
 /// Rows above and below a row, and columns beside a column, on which its colours depend.
 pub(crate) const REACH: usize = structure::REACH + RADIUS;
@@ -33,7 +33,7 @@ const UNRESOLVED: f32 = 3.0;
 /// Denoises pictures of one width.
 pub struct Denoiser {
     width: usize,
-    kernels: Kernels,
+    weights: BandWeights,
     /// Colours that stay as they are: pixels that are not samples of anything.
     kept: [Tint; 2],
 }
@@ -51,8 +51,8 @@ pub(super) struct Block {
 impl Denoiser {
     /// Creates a denoiser of pictures `width` pixels wide, on this ground.
     pub fn new(width: usize, ground: &Ground) -> Self {
-        let kernels = Kernels::new(width + 2 * REACH);
-        Denoiser { width, kernels, kept: [ground.forbidden, FAILED].map(tint_of) }
+        let weights = BandWeights::new(width + 2 * REACH);
+        Denoiser { width, weights, kept: [ground.forbidden, FAILED].map(tint_of) }
     }
 
     /// Returns the denoised pixels of a whole picture.
@@ -77,7 +77,7 @@ impl Denoiser {
             for (at, pixel) in (first..).zip(pixels) {
                 if unresolved[at] > 0.0 {
                     let (across_rad, band) = structure.at(at);
-                    let taps = self.kernels.of(across_rad, band);
+                    let taps = self.weights.of(across_rad, band);
                     *pixel = mean(at, taps, &light, &unresolved);
                 }
             }

@@ -29,14 +29,22 @@ const PATIENCE: Duration = Duration::from_secs(10);
 const ROW_UNIT: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
 
 impl CalmPicture {
-    /// Forgets all pictures: the map moves or has other colours.
-    pub(crate) fn forget(&mut self) {
-        *self = CalmPicture::default();
-    }
-
-    /// Returns true if the picture of this version has been denoised, or cannot be.
-    pub(crate) fn is_done(&self, version: u64) -> bool {
-        matches!(&self.asked, Some((asked, None)) if *asked == version)
+    /// Denoises the kept picture if it rests on a ground, and forgets all pictures if it moves or is
+    /// to keep its grain. Returns true if this version has been denoised, or cannot be.
+    pub(crate) fn follow(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        kept: &KeptPicture,
+        ground: Option<Ground>,
+    ) -> bool {
+        let Some(ground) = ground else {
+            *self = CalmPicture::default();
+            return false;
+        };
+        self.receive(device, queue, kept);
+        self.ask(device, queue, kept, ground);
+        matches!(&self.asked, Some((asked, None)) if *asked == kept.version())
     }
 
     /// Returns what is to be shown in place of the kept picture, if anything. It may show an
@@ -47,7 +55,7 @@ impl CalmPicture {
 
     /// Begins to denoise the kept picture, unless that has been done or another one is being
     /// denoised.
-    pub(crate) fn ask(
+    fn ask(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -69,12 +77,7 @@ impl CalmPicture {
     }
 
     /// Takes the picture that has been denoised, if there is one.
-    pub(crate) fn receive(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        kept: &KeptPicture,
-    ) {
+    fn receive(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, kept: &KeptPicture) {
         let Some((_, pixels)) = &mut self.asked else { return };
         if let Some(finished) = pixels.take_if(|pixels| pixels.is_finished())
             && let Ok(Some(bytes)) = finished.join()

@@ -9,6 +9,7 @@
 //! ([`calm`]).
 
 pub(crate) mod atlas;
+mod callback;
 pub(crate) mod calm;
 pub(crate) mod colours;
 pub(crate) mod cover;

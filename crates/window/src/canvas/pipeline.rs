@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use bytemuck::{Pod, Zeroable};
-use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 use wgpu::util::DeviceExt;
 
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
@@ -253,14 +252,9 @@ impl Canvas {
     pub(crate) fn draw(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
         self.draw_kept(device, queue);
         let rests = self.on != DrawingSurface::Window;
-        if let Some(ground) = frame.ground.filter(|_| rests) {
-            self.calm.receive(device, queue, &self.kept);
-            self.calm.ask(device, queue, &self.kept, ground);
-        } else {
-            self.calm.forget();
-        }
-        let is_grainy = frame.ground.is_some() && !self.calm.is_done(self.kept.version());
-        frame.is_grainy.store(is_grainy, Ordering::Release);
+        let ground = frame.ground.filter(|_| rests);
+        let is_done = self.calm.follow(device, queue, &self.kept, ground);
+        frame.is_grainy.store(frame.ground.is_some() && !is_done, Ordering::Release);
     }
 
     /// Shows the map in the viewport of a pass.
@@ -391,32 +385,4 @@ fn pipeline(
         multiview_mask: None,
         cache: None,
     })
-}
-
-impl CallbackTrait for MapFrame {
-    fn prepare(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        _: &ScreenDescriptor,
-        _: &mut wgpu::CommandEncoder,
-        resources: &mut CallbackResources,
-    ) -> Vec<wgpu::CommandBuffer> {
-        if let Some(canvas) = resources.get_mut::<Canvas>() {
-            canvas.load(device, queue, self);
-            canvas.draw(device, queue, self);
-        }
-        Vec::new()
-    }
-
-    fn paint(
-        &self,
-        _: egui::PaintCallbackInfo,
-        pass: &mut wgpu::RenderPass<'static>,
-        resources: &CallbackResources,
-    ) {
-        if let Some(canvas) = resources.get::<Canvas>() {
-            canvas.show(pass);
-        }
-    }
 }

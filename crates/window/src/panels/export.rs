@@ -161,7 +161,7 @@ fn samples(ui: &mut Ui, form: &mut ExportForm) {
         ui.checkbox(&mut form.adaptive, "only where colours change");
     } else {
         let mut corners = form.samples == Sampling::Corners;
-        ui.checkbox(&mut corners, "smart: also in corners where colours change");
+        ui.checkbox(&mut corners, "smart: finer where colours change");
         form.samples = if corners { Sampling::Corners } else { Sampling::SINGLE };
     }
     ui.end_row();

@@ -74,15 +74,21 @@ fn row(ui: &mut Ui, keys: &str, does: &str) {
     ui.end_row();
 }
 
-/// Returns the commands whose names or other names contain every word of a query, in their original
-/// order.
+/// Returns the commands whose names or other names contain every word of a query: those with most of
+/// the words in their names first, otherwise in their original order.
 pub(crate) fn found<'a>(commands: &'a [Command], query: &str) -> Vec<&'a Command> {
     let words: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
+    let missing = |command: &Command| {
+        let name = command.name.to_lowercase();
+        words.iter().filter(|word| !name.contains(&***word)).count()
+    };
     let fits = |command: &&Command| {
         let name = command.name.to_lowercase();
         words.iter().all(|word| name.contains(word) || command.also.contains(&**word))
     };
-    commands.iter().filter(fits).collect()
+    let mut found: Vec<&Command> = commands.iter().filter(fits).collect();
+    found.sort_by_key(|command| missing(command));
+    found
 }
 
 /// The text typed into the palette, and the index of the chosen command among those found. Kept in

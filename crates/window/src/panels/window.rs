@@ -30,7 +30,7 @@ pub(crate) fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Setting
     if ui.checkbox(&mut animate, "Animate").changed() {
         actions.push(Action::Animate(animate));
     }
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label("Smoothing when idle").on_hover_text(
             "Samples of a pixel where the map has edges, computed once all of it is known: they \
              smooth what is finer than a pixel",

@@ -79,7 +79,7 @@ fn words(readings: &[Reading], growth: Option<Growth>, secs: f64) -> String {
             let until = round_secs(until_secs);
             match rate {
                 rate if rate > 0.0 => {
-                    format!("grows × e every {} s up to {until} s", round_secs(1.0 / rate))
+                    format!("grows × e every {:.1} s up to {until} s", 1.0 / rate)
                 }
                 rate => format!("grows at {rate:.2} a second up to {until} s"),
             }

@@ -22,9 +22,9 @@ const MIN_WEIGHT: f32 = 0.01;
 pub(super) type Tap = (isize, f32);
 
 /// The weights for all directions and strengths.
-pub(super) struct Kernels(Vec<Vec<Tap>>);
+pub(super) struct BandWeights(Vec<Vec<Tap>>);
 
-impl Kernels {
+impl BandWeights {
     /// Computes the weights for a block whose rows lie `stride` pixels apart.
     pub(super) fn new(stride: usize) -> Self {
         let all = (0..DIRECTIONS).flat_map(|d| (0..=STEPS).map(move |s| (d, s)));
@@ -32,7 +32,7 @@ impl Kernels {
             let across_rad = direction as f32 * PI / DIRECTIONS as f32;
             taps(across_rad, step as f32 / STEPS as f32, stride)
         };
-        Kernels(all.map(taps).collect())
+        BandWeights(all.map(taps).collect())
     }
 
     /// Returns the weights where colours change fastest in the direction `across_rad` and the
