@@ -12,6 +12,7 @@ pub(super) use flipmap_window::window::{self, WindowError};
 
 use super::exit::Exit;
 use super::options::SceneOptions;
+use super::picture_options::PictureOptions;
 use super::run_options::RunOptions;
 use super::same_file::keep_apart;
 use super::stop;
@@ -28,6 +29,8 @@ pub(super) struct Options {
     scene: SceneOptions,
     #[command(flatten)]
     run: RunOptions,
+    #[command(flatten)]
+    picture: PictureOptions,
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
@@ -37,10 +40,14 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     options.run.engine.check()?;
     let mut document = options.scene.document()?;
     let spec = options.run.settle(&mut document)?;
+    let plain = document.picture.clone();
+    options.picture.apply(&mut document)?;
+    document.picture.check().map_err(|why| Exit::usage(&why))?;
+    let is_given = options.scene.is_given() || document.picture != plain;
     let folders = if options.no_config { Folders::none() } else { Folders::of_user() };
     let options = model::WindowOptions {
         run: options.run.says_how().then(|| document.run.clone()),
-        document: options.scene.is_given().then_some(document),
+        document: is_given.then_some(document),
         request: options.run.engine.request(spec.setting, spec.verify),
         folders,
         stats: options.stats.clone(),

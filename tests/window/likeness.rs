@@ -30,7 +30,15 @@ fn sampled(scene: Scene, size: [u32; 2], samples: u32) -> (RgbImage, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.png");
     let mut document = Document::default().with_scene(scene);
-    (document.picture.curve, document.picture.samples) = (false, Sampling::Square(samples));
+    let (unit_secs, budget_secs) = (document.pendulum.unit_secs(), document.question.budget.secs);
+    let tones = Tones::new(&PictureTable::default(), unit_secs, budget_secs).unwrap();
+    document.picture = PictureTable {
+        curve: false,
+        samples: Sampling::Square(samples),
+        denoise: false,
+        times: tones.range_secs().to_vec(),
+        ..PictureTable::default()
+    };
     document.run.accuracy = Some(Accuracy::Fast.to_string());
     let request = ExportRequest { document, size, path: path.clone(), kind: ExportKind::Png };
     let engine_request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };

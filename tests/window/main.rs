@@ -66,13 +66,16 @@ fn close_by(a: f64, b: f64, within: f64) -> bool {
     (a - b).abs() <= within
 }
 
+/// Options for colours that are the same in every view, of samples as they are.
+const PLAIN: [&str; 3] = ["--no-denoise", "--times", "budget"];
+
 mod checks {
     use super::*;
 
     pub(crate) use super::soak::soak;
 
     pub(crate) fn the_home_map_is_the_picture_that_render_makes() {
-        let mut session = Session::open("home", &[]);
+        let mut session = Session::open("home", &PLAIN);
         let told = session.told().unwrap();
         let shot = session.shot("map");
         let mut home = following(BuiltIn::home().document().scene());
@@ -90,7 +93,7 @@ mod checks {
     }
 
     pub(crate) fn the_wheel_zooms_about_the_pointer_and_going_back_computes_nothing() {
-        let mut session = Session::open("zoom", &[]);
+        let mut session = Session::open("zoom", &PLAIN);
         let home = session.rest("all around home", Told::is_idle);
         let point = [112.0, 231.0];
         let zoomed = session.after(
@@ -123,7 +126,7 @@ mod checks {
     }
 
     pub(crate) fn a_dragged_map_follows_the_pointer() {
-        let mut session = Session::open("drag", &["filigree"]);
+        let mut session = Session::open("drag", &[&["filigree"][..], &PLAIN].concat());
         let before = session.rest("all around", Told::is_idle);
         let (from, to) = ([420.0, 240.0], [290.0, 330.0]);
         let dragged = session.after(
@@ -180,7 +183,7 @@ mod checks {
     }
 
     pub(crate) fn any_size_will_do() {
-        let mut session = Session::open("size", &[]);
+        let mut session = Session::open("size", &PLAIN);
         for size in [[330, 240], [60, 40], [1600, 1000], [1000, 600]] {
             let told = session.after(
                 "the new size",
@@ -215,7 +218,7 @@ mod checks {
     }
 
     pub(crate) fn keys_and_commands_are_found() {
-        let mut session = Session::open("keys", &[]);
+        let mut session = Session::open("keys", &PLAIN);
         let before = session.rest("all around", Told::is_idle);
         let plain = session.shot("plain");
         session.after("the list of keys", |display| display.key("F1"), |_| true);
@@ -282,7 +285,7 @@ mod checks {
     }
 
     pub(crate) fn a_lost_device_is_opened_again() {
-        let mut session = Session::open("lost", &[]);
+        let mut session = Session::open("lost", &PLAIN);
         session.display.key("F12");
         session.display.key("ctrl+k");
         // Text typed before the field is shown would not reach it.
@@ -308,7 +311,7 @@ mod checks {
     pub(crate) fn edges_are_smoothed_while_the_map_rests() {
         let home = tempfile::tempdir().unwrap();
         keep_settings(home.path(), "greeted = true\nedges = \"16\"\n");
-        let mut session = Session::open_in(home, "edges", &["tip"]);
+        let mut session = Session::open_in(home, "edges", &[&["tip"][..], &PLAIN].concat());
         let before = session.rest("all around", Told::is_idle);
         let rough = distance_from_smooth(&before, &session.shot("rough"));
         let after = session.rest("finer samples", |told| told.is_idle() && !told.is("refines"));
