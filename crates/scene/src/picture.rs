@@ -163,7 +163,7 @@ pub enum Shown {
 
 impl PictureTable {
     /// Decades of a film's zoom above which its colours are spread over its own times.
-    pub const SPREAD_FILM_DECADES: f64 = 3.0;
+    pub const SPREAD_FILM_DECADES: f64 = 1.0;
     /// Range of samples per pixel along each axis.
     pub const SAMPLES: std::ops::RangeInclusive<u32> = 1..=8;
     /// Samples per pixel along each axis where colours change, in adaptive sampling.

@@ -30,8 +30,8 @@ pub struct OpenChoices {
 }
 
 /// Spreads the colours of a film of flips, which zooms through `decades`, over its own times.
-/// Deeper views flip later, so the film runs through the palette repeatedly; unless the user chose
-/// a palette, it is a cyclic one. If nothing flips, the colours stay as they are; returns false then.
+/// Deeper views flip later, so a long zoom runs through the palette repeatedly; unless the user
+/// chose a palette, it is then a cyclic one. If nothing flips, the colours stay as they are; returns false then.
 pub fn spread_film(
     (task, parts): (&Task, &mut Parts),
     decades: f64,
@@ -45,7 +45,7 @@ pub fn spread_film(
     picture.times = times;
     if open.cycles && picture.cycles == 1.0 {
         picture.cycles = (decades / DECADES_A_CYCLE).clamp(1.0, 100.0).round();
-        if open.palette && Palette::is_unchosen(&picture.palette) {
+        if picture.cycles > 1.0 && open.palette && Palette::is_unchosen(&picture.palette) {
             picture.palette = Palette::CYCLIC.to_string();
         }
         if open.repeat {
