@@ -114,7 +114,8 @@ fn films_are_lit_as_stills_are() {
         let output = flipmap(&folder, &[arguments, &fast].concat());
         assert!(output.status.success(), "{arguments:?}: {}", error_of(&output));
     };
-    let film = ["video", "keys.toml", "--frames", "3", "--size", "160x120", "-o"];
+    let film =
+        ["video", "keys.toml", "--frames", "3", "--times", "budget", "--size", "160x120", "-o"];
     run(&[&film[..], &["flat"]].concat());
     let light = ["lit", "--relief", "0.8", "--light", "90", "--cache", "flat.samples"];
     run(&[&film[..], &light].concat());
