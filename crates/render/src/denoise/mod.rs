@@ -143,8 +143,9 @@ impl Block {
         let rows = values.par_chunks_mut(self.stride).enumerate();
         let inside = rows.skip(margin).take(self.height - 2 * margin);
         inside.for_each(|(row, values)| {
-            for column in margin..self.stride - margin {
-                values[column] = of(row * self.stride + column);
+            let inner = values.iter_mut().enumerate().skip(margin).take(self.stride - 2 * margin);
+            for (column, value) in inner {
+                *value = of(row * self.stride + column);
             }
         });
     }

@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn sand_becomes_its_mean_along_bands_and_bands_stay() {
-        let share = |x: u32, _| if x / 6 % 2 == 0 { 0.8 } else { 0.3 };
+        let share = |x: u32, _| if (x / 6).is_multiple_of(2) { 0.8 } else { 0.3 };
         let sand = sand(share);
         let after = denoised(&sand, 90);
         let light = |tint: &Tint| flipmap_scene::palette::light_of(tint[0]);
