@@ -30,15 +30,20 @@ const COMPARED_PX: [f32; 4] = [-2.0, -1.0, 1.0, 2.0];
 /// Number of these comparisons that must differ for a pixel to be entirely unresolved.
 const UNRESOLVED: f32 = 3.0;
 
+/// Largest number of columns that are denoised at a time.
+const MAX_STRIP: usize = 1 << 11;
+
 /// Denoises pictures of one width.
 pub struct Denoiser {
     width: usize,
+    /// Columns that are denoised at a time, so that wide pictures need little memory.
+    strip: usize,
     weights: BandWeights,
     /// Colours that stay as they are: pixels that are not samples of anything.
     kept: [Tint; 2],
 }
 
-/// Some rows of a picture, with a margin of [`REACH`] pixels on all sides. Beyond the picture's
+/// Some rows and columns of a picture, with a margin of [`REACH`] pixels on all sides. Beyond the picture's
 /// edges its outermost pixels are repeated.
 pub(super) struct Block {
     tints: Vec<Tint>,
@@ -51,8 +56,9 @@ pub(super) struct Block {
 impl Denoiser {
     /// Creates a denoiser of pictures `width` pixels wide, on this ground.
     pub fn new(width: usize, ground: &Ground) -> Self {
-        let weights = BandWeights::new(width + 2 * REACH);
-        Denoiser { width, weights, kept: [ground.forbidden, FAILED].map(tint_of) }
+        let strip = width.min(MAX_STRIP);
+        let weights = BandWeights::new(strip + 2 * REACH);
+        Denoiser { width, strip, weights, kept: [ground.forbidden, FAILED].map(tint_of) }
     }
 
     /// Returns the denoised pixels of a whole picture.
@@ -63,18 +69,28 @@ impl Denoiser {
     /// Returns the denoised pixels of the rows `inner` of `tints`, whole rows of which at least
     /// [`REACH`] more lie above and below, unless the picture ends before.
     pub(crate) fn denoised(&self, tints: &[Tint], inner: Range<usize>) -> Vec<Tint> {
-        let block = Block::new(tints, self.width, inner);
-        let mut denoised: Vec<Tint> = block.inner().map(|at| block.tints[at]).collect();
-        let grain = self.grain(&block);
-        if !grain.contains(&true) {
-            return denoised;
+        let mut denoised = tints[inner.start * self.width..inner.end * self.width].to_vec();
+        for first in (0..self.width).step_by(self.strip) {
+            // The last strip is as wide as the others.
+            let first = first.min(self.width - self.strip);
+            let block = Block::new(tints, self.width, inner.clone(), first..first + self.strip);
+            self.denoise(&block, first, &mut denoised);
         }
-        let structure = Structure::of(&block);
-        let unresolved = unresolved(&block, &grain, &structure);
+        denoised
+    }
+
+    /// Denoises the inner pixels of a block, which lie in `rows` from the column `first` on.
+    fn denoise(&self, block: &Block, first: usize, rows: &mut [Tint]) {
+        let grain = self.grain(block);
+        if !grain.contains(&true) {
+            return;
+        }
+        let structure = Structure::of(block);
+        let unresolved = unresolved(block, &grain, &structure);
         let light: Vec<[f32; 3]> = block.tints.par_iter().map(|tint| light(*tint)).collect();
-        denoised.par_chunks_mut(self.width).enumerate().for_each(|(row, pixels)| {
-            let first = (row + REACH) * block.stride + REACH;
-            for (at, pixel) in (first..).zip(pixels) {
+        rows.par_chunks_mut(self.width).enumerate().for_each(|(row, pixels)| {
+            let places = (row + REACH) * block.stride + REACH..;
+            for (at, pixel) in places.zip(&mut pixels[first..first + self.strip]) {
                 if unresolved[at] > 0.0 {
                     let (across_rad, band) = structure.at(at);
                     let taps = self.weights.of(across_rad, band);
@@ -82,7 +98,6 @@ impl Denoiser {
                 }
             }
         });
-        denoised
     }
 
     /// Returns for every pixel of a block whether it differs from any of its neighbours, apart from
@@ -115,27 +130,17 @@ fn unresolved(block: &Block, grain: &[bool], structure: &Structure) -> Vec<f32> 
 }
 
 impl Block {
-    /// Takes the rows `inner` of a picture's rows, `width` pixels each.
-    fn new(tints: &[Tint], width: usize, inner: Range<usize>) -> Self {
-        let last = tints.len() / width - 1;
-        let rows = inner.start as isize - REACH as isize..(inner.end + REACH) as isize;
-        let (stride, height) = (width + 2 * REACH, rows.len());
-        let mut block = Vec::with_capacity(stride * height);
-        for row in rows {
-            let row = row.clamp(0, last as isize) as usize;
-            let row = &tints[row * width..(row + 1) * width];
-            block.extend(std::iter::repeat_n(row[0], REACH));
-            block.extend(row);
-            block.extend(std::iter::repeat_n(row[width - 1], REACH));
-        }
-        Block { tints: block, stride, height }
-    }
-
-    /// Returns the places of the pixels that are no margin.
-    fn inner(&self) -> impl Iterator<Item = usize> {
-        let rows = REACH..self.height - REACH;
-        let stride = self.stride;
-        rows.flat_map(move |row| row * stride + REACH..(row + 1) * stride - REACH)
+    /// Takes some rows and columns of a picture whose rows have `width` pixels.
+    fn new(tints: &[Tint], width: usize, rows: Range<usize>, columns: Range<usize>) -> Self {
+        let with_margin = |range: Range<usize>, count: usize| {
+            let wide = range.start as isize - REACH as isize..(range.end + REACH) as isize;
+            wide.map(move |place| place.clamp(0, count as isize - 1) as usize)
+        };
+        let rows = with_margin(rows, tints.len() / width);
+        let columns = with_margin(columns, width);
+        let (stride, height) = (columns.len(), rows.len());
+        let pixel = |row: usize| columns.clone().map(move |column| tints[row * width + column]);
+        Block { tints: rows.flat_map(pixel).collect(), stride, height }
     }
 
     /// Computes a value for every pixel that is at least `margin` pixels from the block's edges.

@@ -4,7 +4,7 @@ use super::{Denoiser, REACH};
 use flipmap_scene::palette::{Ground, Tint};
 
 /// Number of pixels that are denoised at a time, if the picture has as many.
-const BLOCK: usize = 1 << 18;
+const BLOCK: usize = 1 << 20;
 
 /// Denoises the rows of a picture from the top: each waits for those below it that it depends on.
 pub(crate) struct DenoisedRows {
@@ -79,6 +79,24 @@ mod tests {
         assert_ne!(whole, sand);
         for rows in [1, 7, 32, 90] {
             assert!(denoised(&sand, rows) == whole, "{rows}");
+        }
+    }
+
+    #[test]
+    fn wide_pictures_are_denoised_in_strips_without_seams() {
+        let (width, rows) = (3000, 20);
+        let grain = sand(|x, _| f64::from(x) / 120.0);
+        let wide: Vec<Tint> = (0..width * rows).map(|k| grain[k * 7 % grain.len()]).collect();
+        let whole = Denoiser::new(width, &Ground::DARK).all(&wide);
+        // The same columns in a picture that fits into one strip, far from its edges.
+        let columns = 1500..2500;
+        let cut = |tints: &[Tint], columns: std::ops::Range<usize>| -> Vec<Tint> {
+            tints.chunks(width).flat_map(|row| row[columns.clone()].to_vec()).collect()
+        };
+        let part = Denoiser::new(columns.len(), &Ground::DARK).all(&cut(&wide, columns));
+        for (row, part) in part.chunks(1000).enumerate() {
+            let same = &whole[row * width + 1500 + 2 * REACH..][..1000 - 4 * REACH];
+            assert!(part[2 * REACH..1000 - 2 * REACH] == *same, "row {row}");
         }
     }
 
