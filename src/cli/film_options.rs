@@ -91,6 +91,8 @@ impl FilmOptions {
             return Err(Exit::Usage(message.to_string()).into());
         };
         self.picture.check_film()?;
+        // The times of one view do not suit the others.
+        first.scene.picture.forget_view_times();
         self.picture.apply(&mut first.scene)?;
         if self.picture.samples.is_none() && first.scene.picture.samples.along() == 1 {
             first.scene.picture.samples = SAMPLES;

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use flipmap_render::output::read_gradient;
-use flipmap_scene::palette::{Palette, Tones, ViewTimes};
+use flipmap_scene::palette::{Palette, ViewTimes, budget_range_secs};
 use flipmap_scene::{Document, PictureTable, Sampling, Scale, between, in_a_row, named};
 
 use super::exit::Exit;
@@ -222,11 +222,8 @@ impl PictureOptions {
         })?;
         picture.of_view &= self.times.is_none();
         if self.times.as_deref() == Some(OF_BUDGET) {
-            let (unit_secs, budget_secs) =
-                (document.pendulum.unit_secs(), document.question.budget.secs);
-            let tones =
-                Tones::new(picture, unit_secs, budget_secs).map_err(|why| Exit::usage(&why))?;
-            picture.times = tones.range_secs().to_vec();
+            let unit_secs = document.pendulum.unit_secs();
+            picture.times = budget_range_secs(unit_secs, document.question.budget.secs).to_vec();
         }
         self.check_times(document)
     }

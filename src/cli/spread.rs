@@ -5,7 +5,7 @@ use flipmap_pendulum::Status;
 use flipmap_render::tiles::Work;
 use flipmap_render::tiles::preview::preview;
 use flipmap_scene::Document;
-use flipmap_scene::palette::{Tones, ViewTimes};
+use flipmap_scene::palette::{ViewTimes, budget_range_secs};
 
 use super::exit::Exit;
 use super::stop;
@@ -29,8 +29,7 @@ pub(super) fn spread(
     let flipped = samples.iter().filter(|outcome| outcome.status == Status::Answered);
     let times = ViewTimes::new(flipped.map(|outcome| outcome.time));
     let (unit_secs, budget_secs) = (scene.build.unit_secs(), scene.question.budget.secs);
-    let budget_range_secs = Tones::new(&document.picture, unit_secs, budget_secs)?.range_secs();
-    let spread = times.spread(weight, budget_range_secs);
+    let spread = times.spread(weight, budget_range_secs(unit_secs, budget_secs));
     if let [first, .., last] = spread[..] {
         super::tell(&format!(
             "flipmap: colours are spread over the view's own times, {first:.4} to {last:.4} s; \

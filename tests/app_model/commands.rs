@@ -3,7 +3,9 @@
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-use crate::{Desktop, home, place, press};
+use crate::{Desktop, home, model, place, press, until};
+use flipmap_scene::BuiltIn;
+use flipmap_window::folders::Folders;
 
 #[test]
 fn commands_are_found_and_run_by_the_keyboard() {
@@ -48,4 +50,19 @@ fn panels_places_and_palettes_are_found_by_name() {
     assert!(!desktop.state().state.shown.side);
     press(&mut desktop, Modifiers::NONE, Key::F12);
     assert!(desktop.query_by_label("Measured").is_some(), "it shows itself");
+}
+
+#[test]
+fn the_colours_of_a_view_survive_another_palette_undo_and_reset() {
+    let tip = BuiltIn::named("tip").unwrap().document();
+    let mut desktop = model(Folders::none(), Some(tip));
+    let picture = |desktop: &Desktop| desktop.state().state.picture.clone();
+    until(&mut desktop, "colours", |desktop| picture(desktop).of_view);
+    let own = picture(&desktop);
+    run(&mut desktop, "random");
+    assert!(picture(&desktop).palette.starts_with("random-"));
+    press(&mut desktop, Modifiers::COMMAND, Key::Z);
+    until(&mut desktop, "the palette of before", |desktop| picture(desktop) == own);
+    run(&mut desktop, "spread");
+    until(&mut desktop, "the colours of before", |desktop| picture(desktop) == own);
 }

@@ -4,7 +4,7 @@ use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
-use flipmap_scene::palette::Tones;
+use flipmap_scene::palette::{Tones, budget_range_secs};
 use flipmap_scene::{Document, PictureTable, Sampling, Scene};
 use flipmap_window::export::{Export, ExportKind, ExportRequest, ExportStage};
 use image::{Rgb, RgbImage};
@@ -31,12 +31,11 @@ fn sampled(scene: Scene, size: [u32; 2], samples: u32) -> (RgbImage, Vec<u8>) {
     let path = folder.path().join("map.png");
     let mut document = Document::default().with_scene(scene);
     let (unit_secs, budget_secs) = (document.pendulum.unit_secs(), document.question.budget.secs);
-    let tones = Tones::new(&PictureTable::default(), unit_secs, budget_secs).unwrap();
     document.picture = PictureTable {
         curve: false,
         samples: Sampling::Square(samples),
         denoise: false,
-        times: tones.range_secs().to_vec(),
+        times: budget_range_secs(unit_secs, budget_secs).to_vec(),
         ..PictureTable::default()
     };
     document.run.accuracy = Some(Accuracy::Fast.to_string());

@@ -171,8 +171,8 @@ impl Document {
     /// Replaces the scene, and keeps the picture and run tables, but for times that belong to
     /// another view.
     pub fn with_scene(mut self, scene: Scene) -> Self {
-        if self.picture.of_view && scene != self.scene() {
-            (self.picture.times, self.picture.of_view) = (Vec::new(), false);
+        if scene != self.scene() {
+            self.picture.forget_view_times();
         }
         let Scene { build, question, view, plane } = scene;
         Document { pendulum: build, question, view, plane, ..self }

@@ -252,6 +252,13 @@ impl PictureTable {
         ask.channel(name).map(Shown::Channel).ok_or_else(refused)
     }
 
+    /// Forgets times that were taken from the view: they suit no other.
+    pub fn forget_view_times(&mut self) {
+        if self.of_view {
+            (self.times, self.of_view) = (Vec::new(), false);
+        }
+    }
+
     /// Returns this picture in the colours of another: what belongs to the picture itself stays.
     pub fn with_colours_of(&self, other: &PictureTable) -> Self {
         PictureTable {

@@ -103,11 +103,10 @@ impl AppModel {
     /// complete and shows its own colours.
     fn ground_to_calm(&self) -> Option<Ground> {
         let (state, progress) = (&self.state, self.progress());
-        let is_complete = progress.wanted > 0 && progress.done == progress.wanted;
         // Hatches are no grain.
         let has_hatches = state.layers.trust && state.integration.spec.verify;
         let is_plain = !has_hatches && state.shown.timeline.is_none();
-        let calm = is_complete && is_plain && state.rests() && state.picture.denoise;
+        let calm = progress.is_complete() && is_plain && state.rests() && state.picture.denoise;
         Ground::of(&state.picture).ok().filter(|_| calm && !state.shown.cycle.runs)
     }
 
@@ -140,8 +139,7 @@ impl AppModel {
     ) {
         let (state, progress) = (&self.state, self.progress());
         let moves = state.dragging || state.moving.is_some() || state.drawing.is_some();
-        let calm =
-            state.layers.swing && !moves && progress.wanted > 0 && progress.done == progress.wanted;
+        let calm = state.layers.swing && !moves && progress.is_complete();
         let place = hovered.filter(|_| calm).map(|hovered| hovered.place);
         let now_secs = ui.input(|input| input.time);
         let angle = self.swing.follow(scene, place, now_secs);

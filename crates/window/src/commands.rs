@@ -213,32 +213,11 @@ pub(crate) fn favourites() -> Vec<Command> {
     DIGITS.zip(KEYS).flat_map(of_digit).collect()
 }
 
-/// Returns words for what is in a panel.
-fn about(panel: &str) -> &'static str {
-    match panel {
-        "Pendulum of a pixel" => "pins trail twin plot energy phase",
-        "View" => "centre width rotate stretch",
-        "Places" => "bookmarks scenes save this view",
-        "Deeper" => "zoom descent filament",
-        "Scene" => {
-            "question growth state first flips return chaos lyapunov mass length gravity friction \
-             budget time plane section speeds rods points bob"
-        }
-        "Accuracy" => "engine method tolerance gpu cpu exact balanced fast precision check",
-        "Colours" => "palette gradient relief times equalise cycles legend",
-        "Layers" => "legend grid curve trust swing borders",
-        "Export" => "save picture png screenshot image poster tiles",
-        "Film" => "video movie keyframes mp4 animation",
-        "Window" => "settings preferences theme cache edges anti-aliasing scale",
-        _ => "",
-    }
-}
-
 /// Returns the commands that only the command palette lists: panels, places, palettes and
 /// favourites. Other callers avoid the cost of reading the scenes.
 pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
     let panels = PANELS
-        .map(|name| command(format!("Panel: {name}"), [], Action::Panel(name)).also(about(name)));
+        .map(|(name, also)| command(format!("Panel: {name}"), [], Action::Panel(name)).also(also));
     let painted = |change: fn(&mut PictureTable)| {
         let mut picture = picture.clone();
         change(&mut picture);

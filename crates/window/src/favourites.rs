@@ -11,9 +11,7 @@ impl Settings {
     /// Keeps the colours of a picture under a digit, without times that were taken from the view.
     pub(crate) fn keep_colours(&mut self, digit: u8, picture: &PictureTable) {
         let mut kept = PictureTable::default().with_colours_of(picture);
-        if kept.of_view {
-            (kept.times, kept.of_view) = (Vec::new(), false);
-        }
+        kept.forget_view_times();
         if let Ok(table) = toml::Table::try_from(&kept) {
             self.favourites.insert(digit.to_string(), table);
         }

@@ -83,9 +83,7 @@ impl Snapshot {
         let budget = scene.question.budget;
         let secs = if budget.auto { 0.0 } else { budget.secs };
         let question = QuestionSettings { budget: Budget { secs, ..budget }, ..scene.question };
-        if picture.of_view {
-            (picture.times, picture.of_view) = (Vec::new(), false);
-        }
+        picture.forget_view_times();
         Snapshot { camera, build: scene.build, question, plane: scene.plane.clone(), picture }
     }
 }

@@ -33,8 +33,9 @@ impl AppState {
     /// was shown; the place's own if there are none.
     fn in_own_colours(&self, place: &PictureTable) -> PictureTable {
         let colours = |picture: &PictureTable| {
-            let times = if picture.of_view { Vec::new() } else { picture.times.clone() };
-            PictureTable { times, of_view: false, offset: 0.0, ..place.with_colours_of(picture) }
+            let mut colours = PictureTable { offset: 0.0, ..place.with_colours_of(picture) };
+            colours.forget_view_times();
+            colours
         };
         let own = colours(&self.picture);
         if own == colours(&self.given) { place.clone() } else { own }

@@ -21,19 +21,23 @@ use flipmap_lab::Figure;
 use flipmap_numbers::Scalar;
 use flipmap_pendulum::State;
 
-/// Headings of the panels.
-pub(super) const PANELS: [&str; 11] = [
-    "Pendulum of a pixel",
-    "View",
-    "Places",
-    "Deeper",
-    "Scene",
-    "Accuracy",
-    "Colours",
-    "Layers",
-    "Export",
-    "Film",
-    "Window",
+/// Headings of the panels, and other words, in lower case, for what is in them.
+pub(super) const PANELS: [(&str, &str); 11] = [
+    ("Pendulum of a pixel", "pins trail twin plot energy phase"),
+    ("View", "centre width rotate stretch"),
+    ("Places", "bookmarks scenes save this view"),
+    ("Deeper", "zoom descent filament"),
+    (
+        "Scene",
+        "question growth state first flips return chaos lyapunov mass length gravity friction \
+         budget time plane section speeds rods points bob",
+    ),
+    ("Accuracy", "engine method tolerance gpu cpu exact balanced fast precision check"),
+    ("Colours", "palette gradient relief times equalise cycles legend"),
+    ("Layers", "legend grid curve trust swing borders"),
+    ("Export", "save picture png screenshot image poster tiles"),
+    ("Film", "video movie keyframes mp4 animation"),
+    ("Window", "settings preferences theme cache edges anti-aliasing scale"),
 ];
 
 /// Panels one below the other; the one with the wanted heading is opened.

@@ -6,8 +6,7 @@ use super::camera::{Camera, Screen};
 use super::state::AppState;
 use super::view_samples;
 use flipmap_render::tiles::explorer::Explorer;
-use flipmap_scene::PictureTable;
-use flipmap_scene::palette::{Tones, ViewTimes};
+use flipmap_scene::palette::{ViewTimes, budget_range_secs};
 
 /// Time in s that passes between two changes of the colours while the view moves.
 const PAUSE_SECS: f64 = 0.1;
@@ -26,6 +25,8 @@ struct Spread {
     at_secs: f64,
     /// True if the view was complete.
     complete: bool,
+    /// The times of the colours in s.
+    times: Vec<f64>,
 }
 
 impl ColourSpread {
@@ -52,21 +53,27 @@ impl ColourSpread {
             self.0 = None;
             return paint(state, Vec::new());
         }
-        if self.0.as_ref().is_some_and(|spread| spread.holds(&camera, state.now_secs, complete)) {
-            return false;
+        let holds = |spread: &&Spread| spread.holds(&camera, state.now_secs, complete);
+        if let Some(spread) = self.0.as_ref().filter(holds) {
+            // Another palette or a step of the history may have come without them.
+            return paint(state, spread.times.clone());
         }
         let times = times(&state.screen(), explorer);
-        let tones = PictureTable { times: Vec::new(), ..state.picture.clone() };
         let (unit_secs, budget_secs) = (state.build.unit_secs(), state.question.budget.secs);
-        let Ok(tones) = Tones::new(&tones, unit_secs, budget_secs) else { return false };
+        let budget_range_secs = budget_range_secs(unit_secs, budget_secs);
+        let mut spread = times.spread(ViewTimes::weight(camera.width_rad), budget_range_secs);
+        if spread.is_empty() {
+            // Where nothing flips yet, the colours wait for times.
+            spread.clone_from(&state.picture.times);
+        }
         self.0 = Some(Spread {
             flat_secs: times.flat_secs(),
             camera,
             at_secs: state.now_secs,
             complete,
+            times: spread.clone(),
         });
-        let times = times.spread(ViewTimes::weight(camera.width_rad), tones.range_secs());
-        !times.is_empty() && paint(state, times)
+        paint(state, spread)
     }
 }
 

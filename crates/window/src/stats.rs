@@ -175,7 +175,7 @@ impl Stats {
         if progress.covered && progress.wanted > 0 {
             self.first_coarse_secs.get_or_insert(secs);
         }
-        if progress.wanted > 0 && progress.done == progress.wanted {
+        if progress.is_complete() {
             self.full_secs.get_or_insert(secs);
         }
         push(&mut self.frames, now - began);

@@ -15,7 +15,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use flipmap_scene::palette::{FAILED, Ground, Tint, channel_of, light_of, tint_of};
+use flipmap_scene::palette::{FAILED, Ground, Rgb, Tint, channel_of, light_of, rounded, tint_of};
 pub(crate) use rows::DenoisedRows;
 use structure::Structure;
 use weights::{BandWeights, RADIUS};
@@ -43,8 +43,8 @@ pub struct Denoiser {
     kept: [Tint; 2],
 }
 
-/// Some rows and columns of a picture, with a margin of [`REACH`] pixels on all sides. Beyond the picture's
-/// edges its outermost pixels are repeated.
+/// Some rows and columns of a picture, with a margin of [`REACH`] pixels on all sides. Beyond the
+/// picture's edges its outermost pixels are repeated.
 pub(super) struct Block {
     tints: Vec<Tint>,
     /// Pixels in a row, margins included.
@@ -61,9 +61,11 @@ impl Denoiser {
         Denoiser { width, strip, weights, kept: [ground.forbidden, FAILED].map(tint_of) }
     }
 
-    /// Returns the denoised pixels of a whole picture.
-    pub fn all(&self, tints: &[Tint]) -> Vec<Tint> {
-        self.denoised(tints, 0..tints.len() / self.width)
+    /// Returns the denoised colours of a whole picture.
+    pub fn colours(&self, colours: &[Rgb]) -> Vec<Rgb> {
+        let tints: Vec<Tint> = colours.iter().copied().map(tint_of).collect();
+        let denoised = self.denoised(&tints, 0..tints.len() / self.width);
+        denoised.into_iter().map(rounded).collect()
     }
 
     /// Returns the denoised pixels of the rows `inner` of `tints`, whole rows of which at least

@@ -31,7 +31,8 @@ pub struct OpenChoices {
 
 /// Spreads the colours of a film of flips, which zooms through `decades`, over its own times.
 /// Deeper views flip later, so a long zoom runs through the palette repeatedly; unless the user
-/// chose a palette, it is then a cyclic one. If nothing flips, the colours stay as they are; returns false then.
+/// chose a palette, it is then a cyclic one. If nothing flips, the colours stay as they are; returns
+/// false then.
 pub fn spread_film(
     (task, parts): (&Task, &mut Parts),
     decades: f64,

@@ -17,7 +17,7 @@ use crate::output::{
     sha256,
 };
 use flipmap_scene::film::{Film, Shot};
-use flipmap_scene::palette::Tones;
+use flipmap_scene::palette::budget_range_secs;
 use flipmap_scene::{Document, Scene, location};
 
 /// An error that kept a frame from being written.
@@ -169,12 +169,9 @@ impl Frames {
     fn document_of(&self, shot: &Shot) -> Document {
         let mut document = self.document.clone().with_scene(shot.scene.clone());
         let Scene { build, question, .. } = &shot.scene;
-        let tones = Tones::new(&document.picture, build.unit_secs(), question.budget.secs);
-        if document.picture.paints_times(question.ask)
-            && let Ok(tones) = tones
-            && document.picture.times.is_empty()
-        {
-            document.picture.times = tones.range_secs().to_vec();
+        let picture = &mut document.picture;
+        if picture.times.is_empty() && picture.paints_times(question.ask) {
+            picture.times = budget_range_secs(build.unit_secs(), question.budget.secs).to_vec();
         }
         document
     }

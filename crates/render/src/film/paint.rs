@@ -18,7 +18,7 @@ use crate::denoise::Denoiser;
 use crate::output::{CurveBand, blended};
 use crate::tiles::patches::{SLACK, Sight, patch_pitch_rad};
 use flipmap_scene::film::Shot;
-use flipmap_scene::palette::{Ground, Relief, Rgb, Tint, encoded, rounded, tint_of};
+use flipmap_scene::palette::{Ground, Relief, Rgb, encoded};
 use flipmap_scene::{Grid, PictureTable};
 
 /// Colour of starts that have not flipped yet while the clock runs.
@@ -78,7 +78,7 @@ impl FramePainter {
         let layers = LayerPair { coarse, fine, fine_share: fine_share(&sight, level) };
         let mut colours = self.colours(&layers);
         if let Some(denoiser) = &self.denoiser {
-            colours = denoised(denoiser, &colours);
+            colours = denoiser.colours(&colours);
         }
         if let Some(curve) = self.curve.filter(|_| shot.scene.build.pendulum().q > 0.0) {
             self.draw_curve(curve, &grid, &mut colours);
@@ -128,12 +128,6 @@ impl FramePainter {
         }
         sum.map(|sum| sum / (along * along) as f32)
     }
-}
-
-/// Smooths the grain of a frame.
-fn denoised(denoiser: &Denoiser, colours: &[Rgb]) -> Vec<Rgb> {
-    let tints: Vec<Tint> = colours.iter().copied().map(tint_of).collect();
-    denoiser.all(&tints).into_iter().map(rounded).collect()
 }
 
 impl LayerPair {

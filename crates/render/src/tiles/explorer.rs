@@ -51,6 +51,14 @@ pub struct ViewProgress {
     pub refines: bool,
 }
 
+impl ViewProgress {
+    /// Returns true if every cell in view is computed to the budget; finer samples at edges may
+    /// still come.
+    pub fn is_complete(&self) -> bool {
+        self.wanted > 0 && self.done == self.wanted
+    }
+}
+
 /// Maximum number of cells of a level that are drawn at once.
 pub const MAX_CELLS: usize = 6000;
 /// Maximum number of cells in a job, which fill a large graphics card.

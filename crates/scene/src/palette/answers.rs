@@ -159,9 +159,9 @@ fn palette_or(picture: &PictureTable, other: &str) -> Result<Palette, SceneError
     Palette::named(if is_unchosen { other } else { &picture.palette })
 }
 
-/// Returns the colour of two angles. In Oklab, θ1 goes once around the hues, and θ2 once around
-/// a circle of lightness and chroma. Every pair has a colour of its own, without a seam at ±π. Lightness alone shows |θ2|,
-/// even to colour-blind people.
+/// Returns the colour of two angles. In Oklab, θ1 goes once around the hues, and θ2 once around a
+/// circle of lightness and chroma. Every pair has a colour of its own, without a seam at ±π.
+/// Lightness alone shows |θ2|, even to colour-blind people.
 pub(super) fn torus([theta1, theta2]: [f64; 2]) -> Tint {
     let (sin2, cos2) = theta2.sin_cos();
     let lightness = 0.63 - 0.2 * cos2;

@@ -19,7 +19,7 @@ pub use random::random_palette;
 pub use relief::Relief;
 pub use spread::ViewTimes;
 pub use time_scale::TimeScale;
-pub use tones::{Lookup, Tones, equalised, rise};
+pub use tones::{Lookup, Tones, budget_range_secs, equalised, rise};
 
 use flipmap_assets::PALETTES;
 

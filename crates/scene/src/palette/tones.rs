@@ -37,19 +37,16 @@ pub struct Lookup {
 
 impl Tones {
     /// Returns the tones of a picture, for a pendulum with this natural unit of time and this
-    /// budget. Without times of its own, the picture's range begins at the natural unit of time,
-    /// before which few flips come, and ends at the budget. If the unit is at least half of the
-    /// budget, the range begins at a tenth of the budget.
+    /// budget. A picture without times of its own has [`budget_range_secs`].
     pub fn new(
         picture: &PictureTable,
         unit_secs: f64,
         budget_secs: f64,
     ) -> Result<Self, SceneError> {
         picture.check()?;
-        let first_secs = if unit_secs < 0.5 * budget_secs { unit_secs } else { 0.1 * budget_secs };
         let mut times = picture.times.clone();
         if times.is_empty() {
-            times = vec![first_secs, budget_secs];
+            times = budget_range_secs(unit_secs, budget_secs).to_vec();
         }
         let cycles = picture.cycles;
         let shift = picture.offset * if picture.mirror { 2.0 } else { 1.0 };
@@ -145,6 +142,14 @@ impl Tones {
         };
         (0..entries.max(2)).map(colour).collect()
     }
+}
+
+/// Returns the range of times in s that colours run over unless a picture has times of its own. It
+/// begins at the pendulum's natural unit of time, before which few flips come, and ends at the
+/// budget. If the unit is at least half of the budget, it begins at a tenth of the budget.
+pub fn budget_range_secs(unit_secs: f64, budget_secs: f64) -> [f64; 2] {
+    let first_secs = if unit_secs < 0.5 * budget_secs { unit_secs } else { 0.1 * budget_secs };
+    [first_secs, budget_secs]
 }
 
 /// Relative difference below which two times are the same.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::kept::{KeptPicture, KeptTarget};
 use flipmap_render::Denoiser;
-use flipmap_scene::palette::{Ground, Rgb, rounded, tint_of};
+use flipmap_scene::palette::{Ground, Rgb};
 
 /// The denoised picture of a map at rest.
 #[derive(Default)]
@@ -136,10 +136,10 @@ fn read_back(
 fn denoised(mut pixels: Vec<u8>, width: usize, ground: Ground, reversed: bool) -> Vec<u8> {
     let order = |[r, g, b]: Rgb| if reversed { [b, g, r] } else { [r, g, b] };
     let (places, _) = pixels.as_chunks_mut::<4>();
-    let tints: Vec<_> = places.iter().map(|&[r, g, b, _]| tint_of(order([r, g, b]))).collect();
-    let denoised = Denoiser::new(width, &ground).all(&tints);
-    for (place, tint) in places.iter_mut().zip(denoised) {
-        let [r, g, b] = order(rounded(tint));
+    let colours: Vec<Rgb> = places.iter().map(|&[r, g, b, _]| order([r, g, b])).collect();
+    let denoised = Denoiser::new(width, &ground).colours(&colours);
+    for (place, colour) in places.iter_mut().zip(denoised) {
+        let [r, g, b] = order(colour);
         *place = [r, g, b, place[3]];
     }
     pixels

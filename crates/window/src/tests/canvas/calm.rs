@@ -6,7 +6,7 @@ use flipmap_render::Denoiser;
 use flipmap_render::tiles::cache::TILE_BYTES;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::PictureTable;
-use flipmap_scene::palette::{Ground, rounded, tint_of};
+use flipmap_scene::palette::{Ground, Rgb};
 
 use crate::tests::canvas::doubtful::Doubtful;
 use crate::tests::canvas::offscreen::{Paint, SIZE, Studio};
@@ -42,13 +42,11 @@ mod checks {
             assert!(begun.elapsed() < Duration::from_secs(60), "it is never denoised");
             std::thread::sleep(Duration::from_millis(20));
         };
-        let (pixels, _) = grainy.as_chunks::<4>();
-        let tints: Vec<_> = pixels.iter().map(|&[r, g, b, _]| tint_of([r, g, b])).collect();
-        let expected = Denoiser::new(SIZE[0] as usize, &ground).all(&tints);
-        let expected: Vec<[u8; 3]> = expected.into_iter().map(rounded).collect();
-        let shown: Vec<[u8; 3]> =
-            calm.as_chunks::<4>().0.iter().map(|&[r, g, b, _]| [r, g, b]).collect();
-        assert!(shown == expected, "the same code");
+        let colours = |pixels: &[u8]| -> Vec<Rgb> {
+            pixels.as_chunks::<4>().0.iter().map(|&[r, g, b, _]| [r, g, b]).collect()
+        };
+        let expected = Denoiser::new(SIZE[0] as usize, &ground).colours(&colours(&grainy));
+        assert!(colours(&calm) == expected, "the same code");
         assert!(calm != grainy, "there was grain");
         studio.map_renderer.ground = None;
         assert!(studio.draw(&screen, &mut explorer, &paint) == grainy);
