@@ -6,6 +6,7 @@ use std::path::Path;
 use std::process::Output;
 
 use crate::program::{error_of, flipmap, refused};
+use flipmap_render::output::read_document;
 use image::ImageFormat;
 use tempfile::TempDir;
 
@@ -142,6 +143,29 @@ fn films_are_lit_as_stills_are() {
         }
         assert!(changed > 1000, "{frame}: {changed} pixels are lit");
         assert!(2 * apart[1] < apart[0], "{frame}: flat and lit films are {apart:?} apart");
+    }
+}
+
+#[test]
+fn a_film_does_not_keep_the_times_of_one_view() {
+    let folder = folder();
+    let cpu = ["--engine", "cpu", "--accuracy", "fast"];
+    let run = |arguments: &[&str]| {
+        let output = flipmap(&folder, &[arguments, &cpu].concat());
+        assert!(output.status.success(), "{arguments:?}: {}", error_of(&output));
+    };
+    let narrow = ["render", "filigree", "--size", "48x32", "-o", "map.png"];
+    run(&narrow);
+    let of = |name: &str| read_document(&folder.path().join(name)).unwrap().picture;
+    assert!(of("map.png").of_view && !of("map.png").times.is_empty());
+    let film = ["--frames", "3", "--size", "24x16", "--samples", "1", "-o"];
+    for (scene, to) in [("map.png", "a"), ("filigree", "b")] {
+        run(&[&["video", scene, "--vary", "masses=1,1..1,2"], &film[..], &[to]].concat());
+    }
+    for frame in ["000000.png", "000001.png", "000002.png"] {
+        let [a, b] = ["a", "b"].map(|film| format!("{film}/{frame}"));
+        assert!(!of(&a).of_view);
+        assert_eq!(of(&a).times, of(&b).times, "{frame}");
     }
 }
 

@@ -6,7 +6,6 @@ use std::fs;
 use std::path::Path;
 
 use crate::program::*;
-use flipmap_render::output::read_document;
 use tempfile::TempDir;
 
 const CPU: [&str; 4] = ["--engine", "cpu", "--accuracy", "fast"];
@@ -387,21 +386,4 @@ fn the_call_of_ffmpeg_can_be_seen() {
     let shown = video(&folder, &[&words[..], &["-o", "it's.mkv"]].concat());
     assert!(shown.starts_with("ffmpeg -hide_banner") && shown.contains("-video_size 64x48"));
     assert!(shown.contains("-c:v ffv1") && shown.trim_end().ends_with("'it'\\''s.mkv'"), "{shown}");
-}
-
-#[test]
-fn a_film_does_not_keep_the_times_of_one_view() {
-    let folder = folder();
-    let wide = ["render", "filigree", "--size", "48x32", "-o", "map.png"];
-    done(&folder, &[&wide[..], &CPU[..]].concat());
-    let of = |name: &str| read_document(&folder.path().join(name)).unwrap().picture;
-    assert!(of("map.png").of_view && !of("map.png").times.is_empty());
-    let film = ["--frames", "3", "--size", "24x16", "--samples", "1", "-o"];
-    video(&folder, &[&["map.png", "--vary", "masses=1,1..1,2"], &film[..], &["a"]].concat());
-    video(&folder, &[&["filigree", "--vary", "masses=1,1..1,2"], &film[..], &["b"]].concat());
-    for frame in ["000000.png", "000001.png", "000002.png"] {
-        let [a, b] = ["a", "b"].map(|film| format!("{film}/{frame}"));
-        assert!(!of(&a).of_view);
-        assert_eq!(of(&a).times, of(&b).times, "{frame}");
-    }
 }
