@@ -35,9 +35,11 @@ fn run(desktop: &mut Desktop, word: &str) {
 fn panels_places_and_palettes_are_found_by_name() {
     let mut desktop = home();
     // Each panel with one of its controls, which is visible only while the panel is open.
-    for (panel, control) in
-        [("panel scene", "Gravity g"), ("colours", "Equalise to this view"), ("export", "Browse…")]
-    {
+    for (panel, control) in [
+        ("› scene", "How chaotic is it?"),
+        ("colours ›", "Equalise to this view"),
+        ("› export", "Browse…"),
+    ] {
         assert!(desktop.query_by_label(control).is_none(), "{panel}");
         run(&mut desktop, panel);
         assert!(desktop.query_by_label(control).is_some(), "{panel}");

@@ -21,7 +21,7 @@ fn film_command(order: &FilmOrder) -> std::io::Result<Command> {
 fn planned() -> Desktop {
     let options = options(Folders::none(), None);
     let mut desktop = model_of(&WindowOptions { film_command: Some(film_command), ..options });
-    click(&mut desktop, "Film");
+    click(&mut desktop, "Picture & film");
     desktop.run_steps(30);
     click(&mut desktop, "Add this view");
     press(&mut desktop, Modifiers::NONE, Key::Plus);

@@ -33,19 +33,19 @@ fn edges_are_smoothed_while_the_map_rests_as_far_as_is_asked() {
     let coast = BuiltIn::named("tip").unwrap().document();
     let mut desktop = model(Folders::none(), Some(coast));
     let simulated = counts(&desktop).simulated;
-    click(&mut desktop, "Window");
+    click(&mut desktop, "Settings");
     until(&mut desktop, "the panel", |desktop| desktop.query_by_label("4 samples").is_some());
     let refined = |desktop: &Desktop| desktop.state().compute.explorer.is_done();
     for choice in ["4 samples", "16 samples"] {
         let before = counts(&desktop).simulated;
         click(&mut desktop, choice);
         assert!(desktop.state().progress().refines && !refined(&desktop), "{choice}");
-        desktop.get_by_label("smoothing edges");
         let progress = desktop.state().progress();
+        assert!((0.5..1.0).contains(&progress.way), "edges are a part of the way: {progress:?}");
         assert!(progress.idle && progress.done == progress.wanted, "the view stays complete");
         until(&mut desktop, "finer samples", refined);
         assert!(counts(&desktop).simulated > before + simulated / 20, "{choice}");
-        assert!(desktop.query_by_label("smoothing edges").is_none());
+        assert_eq!(desktop.state().progress().way, 1.0);
     }
     let all = counts(&desktop).simulated;
     click(&mut desktop, "1 sample");

@@ -113,15 +113,14 @@ fn the_bar_of_tools_does_what_its_names_say_and_goes_with_the_panels() {
         settle(&mut desktop);
         assert_eq!(desktop.state().state.camera, there, "{tool}");
     }
-    for (tool, control) in
-        [("Choose colours", "Equalise to this view"), ("Export a picture", "Browse…")]
+    for (tool, control) in [("Colours", "Equalise to this view"), ("Export a picture", "Browse…")]
     {
         assert!(desktop.query_by_label(control).is_none(), "{tool}");
         click(&mut desktop, tool);
         desktop.run_steps(20);
         assert!(desktop.query_by_label(control).is_some(), "{tool}");
     }
-    click(&mut desktop, "Figures of the laboratory");
+    click(&mut desktop, "Laboratory");
     let title = format!("{} (F4)", Figure::Double.title());
     assert_eq!(Figure::all().filter(|f| f.key() == Key::F4).count(), 1);
     click(&mut desktop, &title);
@@ -137,7 +136,9 @@ fn the_bar_of_tools_does_what_its_names_say_and_goes_with_the_panels() {
     }
     press(&mut desktop, Modifiers::NONE, Key::Escape);
     press(&mut desktop, Modifiers::NONE, Key::F9);
-    assert!(desktop.query_by_label("Go back").is_none());
+    for name in ["Go back", "Colours", "Equalise to this view"] {
+        assert!(desktop.query_by_label(name).is_none(), "{name}");
+    }
 }
 
 #[test]
@@ -157,7 +158,7 @@ fn pins_fill_the_window_and_come_back() {
 #[test]
 fn an_export_is_as_large_as_the_map_and_its_samples_are_those_shown() {
     let mut desktop = home();
-    click(&mut desktop, "Export");
+    click(&mut desktop, "Picture & film");
     desktop.run_steps(20);
     let canvas = desktop.state().state.canvas;
     let width = desktop.get_by_role_and_label(Role::SpinButton, "Width").value().unwrap();

@@ -91,7 +91,6 @@ fn alt_and_a_drag_turn_the_map_and_the_right_button_does_too() {
 #[test]
 fn a_view_is_typed_in_degrees_and_gone_to() {
     let mut desktop = home();
-    click(&mut desktop, "View");
     until(&mut desktop, "the panel", |desktop| desktop.query_by_label("Turn, degrees").is_some());
     type_over(&mut desktop, Role::TextInput, "Turn, degrees", "x30");
     assert!(desktop.query_by_label_contains("which is not a number").is_some());

@@ -11,7 +11,7 @@ use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::Scene;
 use flipmap_window::folders::Folders;
 use flipmap_window::model::{AppModel, WindowOptions};
-use flipmap_window::panels::pendulum::pendulum_panel;
+use flipmap_window::panels::pendulum::pendulum_card;
 use flipmap_window::panels::status::{StatusLine, status_line};
 use flipmap_window::pin_start::PinStart;
 use flipmap_window::pins::{PinAction, Pins};
@@ -122,7 +122,7 @@ proptest! {
     fn the_pendulum_panel_is_laid_out_anywhere(moments in moments()) {
         let mut harness = Harness::builder().with_size([340.0, 704.0]).build_ui_state(
             |ui, pins: &mut Pins| {
-                egui::ScrollArea::vertical().show(ui, |ui| pendulum_panel(ui, pins));
+                egui::ScrollArea::vertical().show(ui, |ui| pendulum_card(ui, pins, &|_| None));
             },
             flown(),
         );
@@ -135,12 +135,10 @@ proptest! {
         let status = StatusLine {
             width: 1e-300,
             unit: "rad",
-            rate: 1e300,
-            simulated: u64::MAX,
             depth: text("depth"),
             warning: text(&engine),
             doing: Some(engine.clone()),
-            engine,
+            sure: (engine.clone(), engine),
             ..StatusLine::default()
         };
         let mut harness = Harness::builder()

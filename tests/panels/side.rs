@@ -54,9 +54,9 @@ fn harness<S: 'static, A: Clone + 'static>(
 
 fn scene() -> Harness<'static, Shown<Scene, Scene>> {
     harness(
-        [300.0, 560.0],
+        [310.0, 960.0],
         Scene::default(),
-        |ui, scene| scene_panel(ui, scene).into_iter().collect(),
+        |ui, scene| scene_panel(ui, scene, |_| None).into_iter().collect(),
         |state, asked| *state = asked,
     )
 }
@@ -189,13 +189,14 @@ fn choose<S>(harness: &mut Harness<'_, S>, name: &str, entry: &str) {
 fn question_and_plane_are_chosen_with_what_belongs_to_them() {
     let mut harness = scene();
     assert!(harness.query_by_role_and_label(Role::SpinButton, "At").is_none());
-    choose(&mut harness, "Question", "state");
+    press(&mut harness, "Where is it at time t?");
+    assert_eq!(harness.state().state.question.at, Some(5.0), "later states are noise");
     type_over(&mut harness, "At", "12.5");
     let question = harness.state().state.question;
     assert_eq!((question.ask, question.at), (QuestionName::State, Some(12.5)));
     type_over(&mut harness, "Budget", "10");
     assert_eq!(harness.state().state.question.at, Some(10.0), "never beyond the budget");
-    choose(&mut harness, "Question", "flip");
+    press(&mut harness, "When does it flip?");
     type_over(&mut harness, "Flip number", "3");
     let question = harness.state().state.question;
     assert_eq!((question.ask, question.at, question.count), (QuestionName::Flip, None, 3));

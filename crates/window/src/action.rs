@@ -8,6 +8,7 @@ use super::camera::Camera;
 use super::colour_cycle::ColourCycle;
 use super::flight::playback::Playback;
 use super::pins::PinAction;
+use super::sections::Section;
 use super::settings::{EdgeSamples, Layers, Theme};
 use super::state::Dialog;
 use flipmap_engine::{Accuracy, EngineKind};
@@ -119,6 +120,8 @@ pub enum Action {
     Layers(Layers),
     /// Opens a panel at the side.
     Panel(&'static str),
+    /// Opens a section of the side panel, or closes the panel if it shows the section.
+    Section(Section),
     /// Opens or closes a dialog.
     Toggle(Dialog),
     /// Closes whatever is open.

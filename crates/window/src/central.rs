@@ -81,6 +81,7 @@ impl AppModel {
         if self.forms.exporting {
             overlay::draw_export_frame(&ui.painter_at(rect), rect, self.forms.export.size);
         }
+        actions.extend(self.pendulum_card(ui, rect));
         // The laboratory has tabs of its own.
         if self.state.shown.side && !self.state.shown.lab {
             let history = &self.state.history;

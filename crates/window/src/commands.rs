@@ -10,8 +10,8 @@ use super::action::{Action, LabAction, Look};
 use super::favourites::DIGITS;
 use super::flight::playback::Playback;
 use super::panels::colours::any_palette;
+use super::sections::PANELS;
 use super::settings::{EdgeSamples, Layers, Theme};
-use super::side_panel::PANELS;
 use super::state::{AppState, Dialog};
 use flipmap_engine::Accuracy;
 use flipmap_lab::Figure;
@@ -117,7 +117,8 @@ fn showing(layers: &Layers) -> Vec<Command> {
         command("Grid of angles", keyed(Key::G), layer(|layers| layers.grid ^= true)),
         command("Borders of tiles", keyed(Key::B), layer(|layers| layers.borders ^= true)),
         command("Pendulum at the pointer", keyed(Key::H), layer(|layers| layers.swing ^= true)),
-        command("Panels at the side", keyed(Key::F9), Action::Toggle(Dialog::Side)),
+        command("Panels and toolbar", keyed(Key::F9), Action::Toggle(Dialog::Side))
+            .also("hide show clean rail side"),
         command("All pendulums in the whole window", keyed(Key::F), Action::Toggle(Dialog::Stage)),
         command("Keys", keyed(Key::F1), Action::Toggle(Dialog::Help)),
         command("What you are seeing", [], Action::Toggle(Dialog::Card)),
@@ -216,8 +217,10 @@ pub(crate) fn favourites() -> Vec<Command> {
 /// Returns the commands that only the command palette lists: panels, places, palettes and
 /// favourites. Other callers avoid the cost of reading the scenes.
 pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
-    let panels = PANELS
-        .map(|(name, also)| command(format!("Panel: {name}"), [], Action::Panel(name)).also(also));
+    let panels = PANELS.map(|panel| {
+        let name = format!("{} › {}", panel.section.name(), panel.name);
+        command(name, [], Action::Panel(panel.name)).also(panel.also)
+    });
     let painted = |change: fn(&mut PictureTable)| {
         let mut picture = picture.clone();
         change(&mut picture);

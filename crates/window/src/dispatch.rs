@@ -55,6 +55,7 @@ impl AppModel {
             Action::TryAgain => self.follow(true),
             Action::Layers(layers) => state.layers = layers,
             Action::Panel(name) => state.open_panel(name),
+            Action::Section(section) => state.choose_section(section),
             Action::Toggle(dialog) => state.toggle(dialog),
             Action::Escape => self.escape(),
             Action::Show(document) => {
@@ -135,7 +136,6 @@ impl AppModel {
         match self.state.pins.add(start, told, wake) {
             Ok(id) => {
                 self.state.pins.clicked = Some(id);
-                self.state.shown.side = true;
             }
             Err(error) => self.state.notices.fail(format!("{error}.")),
         }

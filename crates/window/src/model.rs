@@ -20,14 +20,14 @@ use super::folders::Folders;
 use super::meter::Meter;
 use super::outlook::Estimates;
 use super::panels::export::ExportForm;
-use super::panels::pendulum::stage;
 use super::panels::places::{PlaceForm, Thumbnails};
-use super::panels::status::{StatusLine, depth_words, status_line};
+use super::panels::status::status_line;
 use super::panels::timeline::timeline;
 use super::panels::view::ViewForm;
-use super::panels::{accuracy, card, help, notices};
+use super::panels::{card, help, notices};
 use super::places::Places;
 use super::settings::{Appearance, Loaded, Settings, Store};
+use super::small_pictures::SmallPictures;
 use super::spread::ColourSpread;
 use super::state::{AppState, Effect};
 use super::swing::HoverSwing;
@@ -69,6 +69,8 @@ pub(super) struct Forms {
     pub(super) export: ExportForm,
     /// True while the form of an export is open, so that its frame is drawn on the map.
     pub(super) exporting: bool,
+    /// Control that had the keyboard's focus in the last frame.
+    pub(super) focused: Option<egui::Id>,
 }
 
 /// The app model behind a window.
@@ -86,6 +88,7 @@ pub struct AppModel {
     pub(super) places: Places,
     pub(super) forms: Forms,
     pub(super) thumbnails: Thumbnails,
+    pub(super) question_pictures: SmallPictures,
     pub(super) exports: Exports,
     pub(super) asking: Option<Asking>,
     /// Films, and the descent that may become one.
@@ -114,15 +117,6 @@ const WORK: Duration = Duration::from_millis(4);
 
 /// Time between updates of the status line during slow work.
 const DOING: Duration = Duration::from_millis(250);
-
-/// Returns the least, default and greatest width in points of the panels at the side of a window;
-/// the map keeps more than half of a narrow window.
-fn side_widths(window: f32) -> [f32; 3] {
-    if window < 700.0 {
-        return [0.25, 0.38, 0.45].map(|share| share * window);
-    }
-    [240.0, 310.0, 480.0]
-}
 
 impl AppModel {
     /// Loads what was saved and begins to open an engine.
@@ -166,6 +160,7 @@ impl AppModel {
             forms: Forms { place: PlaceForm::named(places.free_name()), ..Forms::default() },
             places,
             thumbnails: Thumbnails::default(),
+            question_pictures: SmallPictures::default(),
             exports: Exports::default(),
             asking: None,
             films: Films { command: options.film_command, ..Films::default() },
@@ -221,6 +216,7 @@ impl AppModel {
     pub(crate) fn forget_card(&mut self) {
         self.map_renderer = MapRenderer::default();
         self.thumbnails = Thumbnails::default();
+        self.question_pictures = SmallPictures::default();
     }
 
     /// Shows the whole interface once. Returns the effects that only the window can carry out.
@@ -264,9 +260,7 @@ impl AppModel {
         }
         self.forms.exporting = false;
         if self.state.shown.side && !self.state.shown.stage && !self.is_projecting() {
-            let [least, default, most] = side_widths(ui.available_width());
-            let side = egui::Panel::right("side").default_size(default).size_range(least..=most);
-            side.show(ui, |ui| actions.extend(self.side_panel(ui)));
+            actions.extend(self.side(ui));
         }
         if let Some(clock) = &self.state.shown.timeline {
             let budget_secs = self.state.question.budget.secs;
@@ -274,7 +268,7 @@ impl AppModel {
                 .show(ui, |ui| actions.extend(timeline(ui, clock, budget_secs)));
         }
         egui::CentralPanel::no_frame().show(ui, |ui| match self.state.shown.stage {
-            true => actions.extend(stage(ui, &self.state.pins).into_iter().map(Action::Pins)),
+            true => actions.extend(self.whole_stage(ui)),
             false => actions.extend(self.canvas(ui, &commands)),
         });
         self.act(actions)
@@ -296,50 +290,6 @@ impl AppModel {
             actions.extend(dropped.map(|file| Action::Open(file.path().to_path_buf())));
             actions
         })
-    }
-
-    fn status(&self) -> StatusLine {
-        let progress = self.progress();
-        let engine = match (self.compute.engine(), self.compute.config()) {
-            (Some((name, adapter, _)), Some(config)) => {
-                format!("{} · {name}: {adapter}", accuracy::words(&config))
-            }
-            _ => match self.compute.opening() {
-                Some(said) if said.is_empty() => "opening the engine…".to_string(),
-                Some(said) => said,
-                None => "no engine: see Accuracy".to_string(),
-            },
-        };
-        let rate = if progress.idle { 0.0 } else { self.meter.rate() };
-        let simulated = self.compute.explorer.counts().simulated;
-        let depth = self.compute.explorer.depth().zip(self.compute.config());
-        let budget_secs = self.state.question.budget.secs;
-        let depth = depth.map(|(depth, config)| depth_words(&depth, config.precision, budget_secs));
-        let (width, [across, _]) = (self.state.camera.width(), self.state.plane.axes());
-        let unit = across.unit();
-        let diving =
-            self.films.descent.running.is_some().then(|| "going deeper, Esc stops".to_string());
-        let smooths = progress.refines && !self.lab_hides_map();
-        let smooths = smooths.then(|| "smoothing edges".to_string());
-        let doing = self.compute.following().or(diving).or(self.compute.comparing()).or(smooths);
-        let flat = self.spread.flat_secs().map(|secs| {
-            format!("flat to {secs:.0e} s: nothing smaller here; D follows the nearest filament")
-        });
-        let doing = doing.or(flat);
-        let warning = self.estimates.forecast.warning();
-        let left_secs = self.estimates.time_left.secs();
-        StatusLine {
-            progress,
-            left_secs,
-            width,
-            unit,
-            rate,
-            simulated,
-            engine,
-            depth,
-            doing,
-            warning,
-        }
     }
 
     /// Saves the settings, including how the window was left.

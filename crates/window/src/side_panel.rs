@@ -1,6 +1,6 @@
-//! The panels at the side, one below the other.
+//! The side panel: the rail, and beside it the panels of one section.
 
-use egui::{Align, CollapsingHeader, ScrollArea, Ui};
+use egui::{Align, ScrollArea, TextureHandle, Ui};
 
 use super::action::Action;
 use super::descent::DescentPath;
@@ -11,112 +11,200 @@ use super::panels::descent::{self, descent_panel};
 use super::panels::export::export_panel;
 use super::panels::film::film_panel;
 use super::panels::layers::layers_panel;
-use super::panels::pendulum::pendulum_panel;
 use super::panels::places::places_panel;
+use super::panels::question_tiles;
+use super::panels::rail::{RAIL_POINTS, rail};
 use super::panels::scene::scene_panel;
 use super::panels::view::view_panel;
 use super::panels::window::window_panel;
-use super::state::Dialog;
+use super::sections::Section;
 use flipmap_lab::Figure;
-use flipmap_numbers::Scalar;
-use flipmap_pendulum::State;
+use flipmap_scene::question::QuestionName;
+use flipmap_scene::{Document, PictureTable, Scene};
 
-/// Headings of the panels, and other words, in lower case, for what is in them.
-pub(super) const PANELS: [(&str, &str); 11] = [
-    ("Pendulum of a pixel", "pins trail twin plot energy phase"),
-    ("View", "centre width rotate stretch"),
-    ("Places", "bookmarks scenes save this view"),
-    ("Deeper", "zoom descent filament"),
-    (
-        "Scene",
-        "question growth state first flips return chaos lyapunov mass length gravity friction \
-         budget time plane section speeds rods points bob",
-    ),
-    ("Accuracy", "engine method tolerance gpu cpu exact balanced fast precision check"),
-    ("Colours", "palette gradient relief times equalise cycles legend"),
-    ("Layers", "legend grid curve trust swing borders"),
-    ("Export", "save picture png screenshot image poster tiles"),
-    ("Film", "video movie keyframes mp4 animation"),
-    ("Window", "settings preferences theme cache edges anti-aliasing scale"),
-];
+/// Width of the panels beside the rail in points, whatever they show.
+const PANEL_POINTS: f32 = 310.0;
+/// Width in points below which the panels lie over the map, which keeps its size.
+const DRAWER_BELOW: f32 = 700.0;
+/// Least width in points of the map that a drawer leaves uncovered.
+const UNCOVERED: f32 = 60.0;
 
-/// Panels one below the other; the one with the wanted heading is opened.
+/// Panels one below the other, each under its heading.
 struct Sections<'a> {
     ui: &'a mut Ui,
     wanted: Option<&'static str>,
+    is_first: bool,
 }
 
 impl Sections<'_> {
-    /// Shows a panel; returns true if it is open.
-    fn show(&mut self, heading: &str, open: bool, contents: impl FnOnce(&mut Ui)) -> bool {
-        let wanted = self.wanted == Some(heading);
-        let header = CollapsingHeader::new(heading).default_open(open);
-        let shown = header.open(wanted.then_some(true)).show(self.ui, contents);
-        if wanted {
-            shown.header_response.scroll_to_me(Some(Align::TOP));
+    /// Shows a panel, and scrolls to it if it is wanted.
+    fn show<T>(&mut self, name: &'static str, contents: impl FnOnce(&mut Ui) -> T) -> T {
+        if !std::mem::take(&mut self.is_first) {
+            self.ui.add_space(8.0);
+            self.ui.separator();
         }
-        shown.openness > 0.0
+        let heading = self.ui.strong(name);
+        if self.wanted == Some(name) {
+            heading.scroll_to_me(Some(Align::TOP));
+        }
+        self.ui.add_space(4.0);
+        self.ui.push_id(name, contents).inner
     }
 }
 
 impl AppModel {
-    /// Shows the panels and returns the user's actions in them.
-    pub(super) fn side_panel(&mut self, ui: &mut Ui) -> Vec<Action> {
+    /// Shows the rail, and the open section beside it; in a narrow window the section lies over the
+    /// map. Returns the user's actions.
+    pub(super) fn side(&mut self, ui: &mut Ui) -> Vec<Action> {
         self.take_answer();
+        let width = ui.available_width();
+        let open = self.state.shown.section;
+        let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(2);
+        let bar = egui::Panel::right("rail").resizable(false).exact_size(RAIL_POINTS).frame(frame);
+        let mut actions: Vec<Action> =
+            bar.show(ui, |ui| rail(ui, open)).inner.into_iter().collect();
+        let Some(section) = open else { return actions };
+        if width >= DRAWER_BELOW {
+            let side = egui::Panel::right("side").resizable(false).exact_size(PANEL_POINTS);
+            side.show(ui, |ui| actions.extend(self.section(ui, section)));
+        } else {
+            actions.extend(self.drawer(ui, section));
+        }
+        actions
+    }
+
+    /// Shows a section over the right part of the map.
+    fn drawer(&mut self, ui: &Ui, section: Section) -> Vec<Action> {
+        let rest = ui.available_rect_before_wrap();
+        let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(8);
+        let width = PANEL_POINTS.min(rest.width() - UNCOVERED).max(1.0);
+        let size = egui::vec2(width, rest.height());
+        let area = egui::Area::new(egui::Id::unique("drawer"));
+        let corner = rest.right_top() - egui::vec2(width, 0.0);
+        let shown = area.fixed_pos(corner).show(ui.ctx(), |ui| {
+            frame
+                .show(ui, |ui| {
+                    ui.set_max_size(size - egui::vec2(16.0, 16.0));
+                    ui.set_min_size(ui.max_rect().size());
+                    self.section(ui, section)
+                })
+                .inner
+        });
+        shown.inner
+    }
+
+    /// Shows the panels of a section.
+    fn section(&mut self, ui: &mut Ui, section: Section) -> Vec<Action> {
         let mut actions = Vec::new();
         let wanted = self.state.shown.panel.take();
-        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            let mut panels = Sections { ui, wanted };
-            let open = !self.state.pins.is_empty();
-            panels.show("Pendulum of a pixel", true, |ui| {
-                actions.extend(pendulum_panel(ui, &self.state.pins).into_iter().map(Action::Pins));
-                actions.extend(self.lab_buttons(ui));
-            });
-            panels.show("View", false, |ui| {
-                let (camera, axes) = (self.state.target(), self.state.plane.axes());
-                actions.extend(view_panel(ui, &mut self.forms.view, &camera, axes));
-            });
-            panels.show("Places", !open, |ui| {
-                let done = places_panel(ui, &self.places, &self.forms.place, &mut self.thumbnails);
-                actions.extend(done.into_iter().filter_map(|action| self.place(action)));
-                self.recent(ui, &mut actions);
-            });
-            panels.show("Deeper", false, |ui| actions.extend(self.deeper_section(ui)));
-            panels.show("Scene", false, |ui| {
-                let changed = scene_panel(ui, &self.state.scene());
-                actions.extend(changed.map(|scene| Action::Scene(Box::new(scene))));
-            });
-            panels.show("Accuracy", false, |ui| {
-                actions.extend(accuracy_panel(ui, &self.computing()));
-            });
-            panels.show("Colours", false, |ui| {
-                actions.extend(self.colour_section(ui));
-            });
-            panels.show("Layers", false, |ui| {
-                actions.extend(layers_panel(ui, &self.state.layers));
-            });
-            let map_px = (self.state.canvas * self.state.pixels_per_point).round().as_uvec2();
-            self.forms.export.follow(map_px.to_array(), &self.state.picture);
-            let exporting = panels.show("Export", false, |ui| {
-                let statuses = self.exports.statuses();
-                for action in export_panel(ui, &self.forms.export, &statuses) {
-                    self.export(action);
-                }
-            });
-            self.forms.exporting |= exporting;
-            panels.show("Film", false, |ui| actions.extend(self.film_section(ui)));
-            panels.show("Window", false, |ui| {
-                actions.extend(window_panel(ui, &self.state, &mut self.settings));
-            });
-            if self.state.shown.debug {
-                panels.show("Measured", true, |ui| {
-                    self.measured.iter().for_each(|line| {
-                        ui.monospace(line);
-                    })
-                });
+        ui.heading(section.name());
+        ui.add_space(4.0);
+        let area = ScrollArea::vertical().id_salt(section.name()).auto_shrink(false);
+        area.show(ui, |ui| {
+            let mut panels = Sections { ui, wanted, is_first: true };
+            match section {
+                Section::Explore => self.explore(&mut panels, &mut actions),
+                Section::Scene => self.pendulum_and_question(&mut panels, &mut actions),
+                Section::Colours => self.colours_and_layers(&mut panels, &mut actions),
+                Section::Film => self.files(&mut panels, &mut actions),
+                Section::Lab => actions.extend(panels.show("Figures", figures)),
+                Section::Settings => self.preferences(&mut panels, &mut actions),
             }
+            self.follow_focus(ui);
         });
         actions
+    }
+
+    /// Scrolls to the control that the keyboard has just reached.
+    fn follow_focus(&mut self, ui: &Ui) {
+        let focused = ui.memory(|memory| memory.focused());
+        if std::mem::replace(&mut self.forms.focused, focused) == focused {
+            return;
+        }
+        let reached = focused.and_then(|id| ui.ctx().read_response(id));
+        if let Some(control) = reached.filter(|control| control.layer_id == ui.layer_id()) {
+            ui.scroll_to_rect(control.rect.expand(8.0), None);
+        }
+    }
+
+    fn explore(&mut self, panels: &mut Sections, actions: &mut Vec<Action>) {
+        actions.extend(panels.show("Deeper", |ui| self.deeper_section(ui)));
+        actions.extend(panels.show("Places", |ui| {
+            let done = places_panel(ui, &self.places, &self.forms.place, &mut self.thumbnails);
+            let mut actions: Vec<_> =
+                done.into_iter().filter_map(|action| self.place(action)).collect();
+            self.recent(ui, &mut actions);
+            actions
+        }));
+        actions.extend(panels.show("View", |ui| {
+            let (camera, axes) = (self.state.target(), self.state.plane.axes());
+            view_panel(ui, &mut self.forms.view, &camera, axes)
+        }));
+    }
+
+    fn pendulum_and_question(&mut self, panels: &mut Sections, actions: &mut Vec<Action>) {
+        self.picture_questions();
+        let pictures = &mut self.question_pictures;
+        let scene = self.state.scene();
+        let changed = panels.show("Scene", |ui| {
+            let ctx = ui.ctx().clone();
+            scene_panel(ui, &scene, |place| pictures.texture(&ctx, place).map(TextureHandle::id))
+        });
+        actions.extend(changed.map(|scene| Action::Scene(Box::new(scene))));
+        actions.extend(panels.show("Accuracy", |ui| accuracy_panel(ui, &self.computing())));
+    }
+
+    /// Begins to compute what each question would show of the view, once the view is complete.
+    fn picture_questions(&mut self) {
+        if !self.progress().is_complete() || self.state.moving.is_some() {
+            return;
+        }
+        let shown = self.state.document();
+        let asked = QuestionName::ALL.map(|ask| {
+            let mut question = shown.question;
+            if ask != question.ask {
+                question_tiles::choose(&mut question, ask);
+            }
+            let scene = Scene { question, ..shown.scene() }.without_unused();
+            let mut picture = shown.picture.clone();
+            picture.forget_view_times();
+            if ask != shown.question.ask {
+                // Each question has channels and values of its own.
+                picture = PictureTable { times: Vec::new(), channel: None, ..picture };
+            }
+            Document { picture, ..shown.clone().with_scene(scene) }
+        });
+        self.question_pictures.of(asked.into(), &self.wake);
+    }
+
+    fn colours_and_layers(&mut self, panels: &mut Sections, actions: &mut Vec<Action>) {
+        actions.extend(panels.show("Palette", |ui| self.colour_section(ui)));
+        actions.extend(panels.show("Layers", |ui| layers_panel(ui, &self.state.layers)));
+    }
+
+    fn files(&mut self, panels: &mut Sections, actions: &mut Vec<Action>) {
+        let map_px = (self.state.canvas * self.state.pixels_per_point).round().as_uvec2();
+        self.forms.export.follow(map_px.to_array(), &self.state.picture);
+        self.forms.exporting = true;
+        panels.show("Export", |ui| {
+            let statuses = self.exports.statuses();
+            for action in export_panel(ui, &self.forms.export, &statuses) {
+                self.export(action);
+            }
+        });
+        actions.extend(panels.show("Film", |ui| self.film_section(ui)));
+    }
+
+    fn preferences(&mut self, panels: &mut Sections, actions: &mut Vec<Action>) {
+        let (state, settings) = (&self.state, &mut self.settings);
+        actions.extend(panels.show("Window", |ui| window_panel(ui, state, settings)));
+        if self.state.shown.debug {
+            panels.show("Measured", |ui| {
+                for line in self.measurements() {
+                    ui.monospace(line);
+                }
+            });
+        }
     }
 
     /// Shows the panel of the automatic descent.
@@ -138,26 +226,6 @@ impl AppModel {
         let any = self.compute.explorer.progress().done > 0;
         let done = colours_panel(ui, &state.picture, &state.scene(), any, &state.shown.cycle);
         done.and_then(|action| self.colour(action))
-    }
-
-    /// Shows buttons that open the selected pin's start in a figure of the laboratory.
-    fn lab_buttons(&self, ui: &mut Ui) -> Vec<Action> {
-        let Some(pin) = self.state.pins.selected() else { return Vec::new() };
-        let angle = pin.start.angle.map(|theta| theta.wrapped().to_f64());
-        let start = State { angle, speed: pin.start.launches[0].speed.map(|speed| speed.hi) };
-        let mut actions = Vec::new();
-        ui.horizontal_wrapped(|ui| {
-            if ui.button("Whole window (F)").clicked() {
-                actions.push(Action::Toggle(Dialog::Stage));
-            }
-            ui.label("In the lab:");
-            for figure in [Figure::Machine, Figure::Integrators, Figure::Twenty] {
-                if ui.button(figure.name()).on_hover_text(figure.title()).clicked() {
-                    actions.push(Action::OpenInLab(figure, start));
-                }
-            }
-        });
-        actions
     }
 
     /// Shows the files opened last, and a button that opens another one.
@@ -193,4 +261,18 @@ impl AppModel {
             cost_us,
         }
     }
+}
+
+/// Shows the figures of the laboratory, each with its sentence.
+fn figures(ui: &mut Ui) -> Vec<Action> {
+    let mut actions = Vec::new();
+    for figure in Figure::all() {
+        let title = format!("{} ({})", figure.title(), figure.key().name());
+        if ui.link(title).clicked() {
+            actions.push(Action::Lab(Some(figure)));
+        }
+        ui.weak(figure.sentence());
+        ui.add_space(4.0);
+    }
+    actions
 }

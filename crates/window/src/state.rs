@@ -11,6 +11,7 @@ use super::integration::Integration;
 use super::notices::Notices;
 use super::pins::{PinAction, Pins};
 use super::reach::Reach;
+use super::sections::{Section, section_of};
 use super::settings::{Appearance, Layers};
 use flipmap_engine::IntegratorConfig;
 use flipmap_engine::run_settings::RunSpec;
@@ -21,7 +22,7 @@ use flipmap_scene::{Document, PendulumSpec, PictureTable, Plane, QuestionSetting
 /// A panel or window that opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dialog {
-    /// The panels at the side.
+    /// The rail, the side panel and the toolbar.
     Side,
     /// The list of keys.
     Help,
@@ -38,9 +39,11 @@ pub enum Dialog {
 /// The dialogs that are open.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenDialogs {
-    /// True if the panels at the side are shown.
+    /// True if the rail, the side panel and the toolbar are shown.
     pub side: bool,
-    /// Panel at the side that is to be opened and scrolled to.
+    /// Section that the side panel shows, if it is open.
+    pub section: Option<Section>,
+    /// Panel at the side that is to be scrolled to.
     pub panel: Option<&'static str>,
     /// True if the list of keys is shown.
     pub help: bool,
@@ -150,6 +153,7 @@ impl AppState {
             layers: Layers { curve: document.picture.curve, ..Layers::default() },
             shown: OpenDialogs {
                 side: true,
+                section: Some(Section::Explore),
                 panel: None,
                 help: false,
                 commands: false,
@@ -305,6 +309,12 @@ impl AppState {
     /// Opens a panel at the side.
     pub(super) fn open_panel(&mut self, name: &'static str) {
         (self.shown.side, self.shown.panel) = (true, Some(name));
+        self.shown.section = Some(section_of(name));
+    }
+
+    /// Opens a section of the side panel, or closes the panel if it is the one shown.
+    pub(super) fn choose_section(&mut self, section: Section) {
+        self.shown.section = Some(section).filter(|_| self.shown.section != Some(section));
     }
 
     /// Returns the location as a text, and tells the user that it was copied.

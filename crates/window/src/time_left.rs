@@ -12,12 +12,12 @@ pub(crate) struct TimeLeft {
     latest: Option<(Instant, f64)>,
 }
 
-/// A view, and how much of it was known when it was first aimed at.
+/// A view, and how much of its way was done when it was first aimed at.
 #[derive(Debug)]
 struct Began {
     camera: Camera,
     wanted: usize,
-    share: f64,
+    way: f64,
     at: Instant,
 }
 
@@ -27,22 +27,21 @@ const MIN_MEASURED: Duration = Duration::from_secs(1);
 impl TimeLeft {
     /// Reads the progress of a view.
     pub(crate) fn read(&mut self, camera: Camera, progress: &ViewProgress, now: Instant) {
-        let ViewProgress { wanted, share, .. } = *progress;
-        let goes_on = |began: &Began| {
-            began.camera == camera && began.wanted == wanted && began.share <= share
-        };
+        let ViewProgress { wanted, way, .. } = *progress;
+        let goes_on =
+            |began: &Began| began.camera == camera && began.wanted == wanted && began.way <= way;
         if !self.began.as_ref().is_some_and(goes_on) {
-            self.began = Some(Began { camera, wanted, share, at: now });
+            self.began = Some(Began { camera, wanted, way, at: now });
         }
-        self.latest = Some((now, share));
+        self.latest = Some((now, way));
     }
 
     /// Returns the seconds until the view is complete; none while they cannot be estimated.
     pub(crate) fn secs(&self) -> Option<f64> {
-        let (began, (now, share)) = (self.began.as_ref()?, self.latest?);
-        let (gained, took) = (share - began.share, now.duration_since(began.at));
-        let tells = gained > 0.0 && share < 1.0 && took >= MIN_MEASURED;
-        tells.then(|| took.as_secs_f64() * (1.0 - share) / gained)
+        let (began, (now, way)) = (self.began.as_ref()?, self.latest?);
+        let (gained, took) = (way - began.way, now.duration_since(began.at));
+        let tells = gained > 0.0 && way < 1.0 && took >= MIN_MEASURED;
+        tells.then(|| took.as_secs_f64() * (1.0 - way) / gained)
     }
 }
 
@@ -57,8 +56,8 @@ mod tests {
         let mut left = TimeLeft::default();
         // Shares are 64ths, which add up exactly.
         let mut read = |camera: Camera, ms: u64, of_64: u32| {
-            let share = f64::from(of_64) / 64.0;
-            let progress = ViewProgress { wanted: 100, share, ..ViewProgress::default() };
+            let way = f64::from(of_64) / 64.0;
+            let progress = ViewProgress { wanted: 100, way, ..ViewProgress::default() };
             left.read(camera, &progress, begun + Duration::from_millis(ms));
             left.secs()
         };

@@ -43,6 +43,9 @@ pub struct ViewProgress {
     pub done: usize,
     /// Share of all samples of those cells that are computed to the budget, 0 to 1.
     pub share: f64,
+    /// Share of the way to rest that is covered, 0 to 1: the samples of the view are one half of it
+    /// and the finer samples at edges, if any are wanted, the other.
+    pub way: f64,
     /// True if every cell in view or one of its ancestors is known.
     pub covered: bool,
     /// True if nothing is left to do, except finer samples at edges.
@@ -162,7 +165,14 @@ impl Explorer {
     fn refine(&mut self) {
         while self.is_done() && self.refinement.begin_next() {
             self.plan();
+            self.refinement.expect(self.left());
         }
+    }
+
+    /// Returns the number of cells that wait or are in flight.
+    fn left(&self) -> usize {
+        let flying: usize = self.in_flight.tiles().map(|batch| batch.keys().count()).sum();
+        self.waiting.len() + flying
     }
 
     /// Returns the key of a physics, which is added to the list if it is new.

@@ -42,6 +42,8 @@ const LINES: [[i32; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
 pub(super) struct Refinement {
     pub begun: u32,
     last: u32,
+    /// Number of cells that the level begun last had to compute.
+    planned: usize,
 }
 
 impl Refinement {
@@ -53,7 +55,7 @@ impl Refinement {
             level <= DEEPEST && !target.region.cells(level, most).is_empty()
         };
         let last = (1..=target.refinements).take_while(fits).last().unwrap_or(0);
-        Refinement { begun: begun.min(last), last }
+        Refinement { begun: begun.min(last), last, planned: 0 }
     }
 
     /// Begins the next finer level; returns false if there is none.
@@ -61,6 +63,29 @@ impl Refinement {
         let goes_on = self.begun < self.last;
         self.begun += u32::from(goes_on);
         goes_on
+    }
+
+    /// Returns true if there are finer levels.
+    pub(super) fn is_wanted(&self) -> bool {
+        self.last > 0
+    }
+
+    /// Takes note of the number of cells that the level begun last has to compute.
+    pub(super) fn expect(&mut self, cells: usize) {
+        self.planned = cells;
+    }
+
+    /// Returns the share of the finer levels that is computed, 0 to 1, while `left` cells of the
+    /// level begun last are missing. Each level has about three times as many samples as the one
+    /// before.
+    pub(super) fn share(&self, left: usize) -> f64 {
+        let weight = |levels: u32| 3f64.powf(levels.into()) - 1.0;
+        let Some(done) = self.begun.checked_sub(1) else {
+            return if self.last == 0 { 1.0 } else { 0.0 };
+        };
+        let part = 1.0 - left as f64 / self.planned.max(left).max(1) as f64;
+        let reached = weight(done) + part * (weight(self.begun) - weight(done));
+        reached / weight(self.last)
     }
 }
 
@@ -181,6 +206,21 @@ mod tests {
             }
         }
         samples
+    }
+
+    #[test]
+    fn finer_levels_count_by_their_samples() {
+        let none = Refinement::default();
+        assert_eq!(none.share(0), 1.0, "there is nothing to refine");
+        let mut two = Refinement { last: 2, ..none };
+        assert_eq!(two.share(0), 0.0, "none has begun");
+        assert!(two.begin_next());
+        two.expect(10);
+        assert_eq!((two.share(10), two.share(5), two.share(0)), (0.0, 0.125, 0.25));
+        assert!(two.begin_next());
+        two.expect(20);
+        assert_eq!((two.share(20), two.share(0)), (0.25, 1.0));
+        assert!(!two.begin_next());
     }
 
     #[test]

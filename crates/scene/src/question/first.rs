@@ -11,6 +11,7 @@ use flipmap_pendulum::passes::Pass;
 
 pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "first",
+    asks: "Which bob flips first?",
     about: "Each pixel is a pendulum, coloured by the bob that goes over the top before the other. \
             The channel `time` tells when.",
     channels: &[Channel { name: "bob", unit: "", right: 0.0, scale: ChannelScale::Bobs }, TIME],

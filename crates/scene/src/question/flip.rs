@@ -7,6 +7,7 @@ use super::{
 
 pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "flip",
+    asks: "When does it flip?",
     about: "Each pixel is a pendulum, coloured by the time at which the watched bob goes over \
             the top. Where energy forbids that, nothing is simulated.",
     channels: &[TIME],

@@ -8,6 +8,7 @@ use flipmap_pendulum::Rule;
 
 pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "flips",
+    asks: "How often does it flip?",
     about: "Each pixel is a pendulum, coloured by the number of times that its bobs go over the top \
             within the budget. Channels count each bob and direction.",
     channels: &[

@@ -8,6 +8,7 @@ use flipmap_pendulum::Rule;
 
 pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "growth",
+    asks: "How chaotic is it?",
     about: "Each pixel is a pendulum, coloured by how fast the largest of all nudges to its start \
             grows over the budget. Islands of regular motion are dark and chaos is bright.",
     channels: &[Channel {

@@ -49,6 +49,8 @@ pub enum QuestionName {
 pub struct QuestionDef {
     /// Name in options and files.
     pub name: &'static str,
+    /// What the question asks of each start, as a user would ask it.
+    pub asks: &'static str,
     /// Two sentences on what its map shows.
     pub about: &'static str,
     /// The numbers of an answer, in order; at most [`MAX_CHANNELS`].

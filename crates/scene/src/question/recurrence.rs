@@ -8,6 +8,7 @@ use flipmap_pendulum::Rule;
 
 pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "return",
+    asks: "Does it come back?",
     about: "Each pixel is a pendulum, coloured by how near it comes back to its start within the \
             budget. Dark threads are periodic orbits.",
     channels: &[

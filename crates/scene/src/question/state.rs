@@ -11,6 +11,7 @@ use flipmap_pendulum::Rule;
 
 pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "state",
+    asks: "Where is it at time t?",
     about: "Each pixel is a pendulum, coloured by where its rods point at the time `at`. Neighbours \
             of one colour still swing together.",
     channels: &[

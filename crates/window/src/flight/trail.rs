@@ -52,6 +52,12 @@ impl Trail {
         let youth = move |step: usize| 1.0 - (last - 1 - step) as f32 / STEPS as f32;
         self.angles.iter().zip(self.first..).map(move |(angle, step)| (*angle, youth(step)))
     }
+
+    /// Returns the time in s since the release at a point of this youth.
+    pub(crate) fn secs_at(&self, youth: f32) -> f64 {
+        let newest = (self.first + self.angles.len()).saturating_sub(1) as f64;
+        (newest - f64::from(1.0 - youth) * STEPS as f64) * self.step_secs
+    }
 }
 
 #[cfg(test)]
@@ -86,6 +92,8 @@ mod tests {
             assert_eq!(points, at_once(secs), "at {secs}");
             let (newest, youth) = points[points.len() - 1];
             assert!(youth == 1.0 && points.len() <= STEPS + 1);
+            let newest_secs = kept.secs_at(youth);
+            assert!((0.0..=kept.step_secs).contains(&(secs - newest_secs)), "{newest_secs}");
             let truth = motion.state_at(secs).unwrap().angle;
             assert!((newest[0] - truth[0]).abs() < 0.2, "{newest:?} near {truth:?}");
         }

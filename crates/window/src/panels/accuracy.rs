@@ -33,6 +33,24 @@ fn promise(accuracy: Accuracy) -> &'static str {
     }
 }
 
+/// Returns how sure the answers of a setting are: in a few words, and in a sentence.
+pub(crate) fn sure_words(setting: IntegrationSetting) -> (String, String) {
+    match setting {
+        IntegrationSetting::Accuracy(level) => {
+            let short = match level {
+                Accuracy::Lesson => "9 of 10 pixels right",
+                Accuracy::Fast => "93 of 100 pixels right",
+                Accuracy::Balanced => "999 of 1000 pixels right",
+                Accuracy::Exact => "every pixel checked",
+            };
+            (short.to_string(), format!("Accuracy {level}: {}.", promise(level)))
+        }
+        IntegrationSetting::Explicit(_) => {
+            ("a method of your own".to_string(), "The scene asks for this method.".to_string())
+        }
+    }
+}
+
 /// Shows the levels and the engines; returns the user's actions.
 pub(crate) fn accuracy_panel(ui: &mut Ui, computing: &Computing) -> Vec<Action> {
     let mut actions = Vec::new();

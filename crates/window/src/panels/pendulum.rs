@@ -14,47 +14,43 @@ use flipmap_lab::drawing::{CANVAS, FAINT, INK};
 
 pub(crate) use drawing::miniature;
 
-/// Greatest side of the stage in the panel, in points.
-const MAX_SIDE: f32 = 300.0;
+/// Height of the stage on the card as a share of its width.
+const CARD_ASPECT: f32 = 0.8;
 /// Height in points that the tabs and the clock take below a stage that fills the window.
 const BELOW_STAGE: f32 = 135.0;
 /// Time between two frames of flying pendulums, at about 30 frames per second.
 pub const FRAME: Duration = Duration::from_millis(33);
 
-/// Shows the pins, the stage and the selected pin's numbers; returns the user's actions on them.
-pub fn pendulum_panel(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
+/// Returns the colour that the map gives to a time in s; none if it paints no times.
+pub type TimeColour<'a> = &'a dyn Fn(f64) -> Option<egui::Color32>;
+
+/// Shows the pins, the stage, the selected pin's clock and, once opened, its numbers; returns the
+/// user's actions on them. Trails have the colours of the map at their times.
+pub fn pendulum_card(ui: &mut Ui, pins: &Pins, colour_at: TimeColour) -> Vec<PinAction> {
     let mut actions = Vec::new();
     tabs(ui, pins, &mut actions);
-    match pins.selected() {
-        Some(pin) => {
-            let width = ui.available_width();
-            drawing::stage(ui, pins, pin, vec2(width, width.min(MAX_SIDE)));
-            clock(ui, pins, pin, &mut actions);
-            ui.separator();
+    if let Some(pin) = pins.selected() {
+        let width = ui.available_width();
+        drawing::stage(ui, pins, pin, vec2(width, width * CARD_ASPECT), colour_at);
+        facts::headline(ui, pin);
+        clock(ui, pins, pin, &mut actions);
+        ui.collapsing("Numbers", |ui| {
             facts::facts(ui, pin);
             plot::separation(ui, pin);
-        }
-        None => {
-            ui.label("Click a pixel of the map to pin it and to watch its pendulum.");
-        }
+        });
     }
     next_frame(ui, pins);
     actions
 }
 
 /// Shows the stage in all the available space; returns the user's actions on the pins.
-pub(crate) fn stage(ui: &mut Ui, pins: &Pins) -> Vec<PinAction> {
+pub(crate) fn stage(ui: &mut Ui, pins: &Pins, colour_at: TimeColour) -> Vec<PinAction> {
     let mut actions = Vec::new();
-    match pins.selected() {
-        Some(pin) => {
-            let size = ui.available_size() - vec2(0.0, BELOW_STAGE);
-            drawing::stage(ui, pins, pin, size.max(vec2(1.0, 1.0)));
-            tabs(ui, pins, &mut actions);
-            clock(ui, pins, pin, &mut actions);
-        }
-        None => {
-            ui.label("No pixel is pinned: close this, and click a pixel of the map.");
-        }
+    if let Some(pin) = pins.selected() {
+        let size = ui.available_size() - vec2(0.0, BELOW_STAGE);
+        drawing::stage(ui, pins, pin, size.max(vec2(1.0, 1.0)), colour_at);
+        tabs(ui, pins, &mut actions);
+        clock(ui, pins, pin, &mut actions);
     }
     next_frame(ui, pins);
     actions

@@ -1,22 +1,28 @@
 //! The scene panel: the pendulum, the question about it, and the plane of starts.
 
-use egui::{ComboBox, Grid, Ui};
+use egui::{ComboBox, Grid, TextureId, Ui};
 
 use super::field::number;
 use super::plane_diagram::plane_diagram;
+use super::question_tiles::question_tiles;
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
 use flipmap_scene::question::{QuestionName, Watches};
 use flipmap_scene::{Axis, Budget, Kind, PendulumSpec, Plane, PlaneKind, QuestionSettings, Scene};
 
-/// Shows the pendulum, the question and the plane; returns the scene if it has changed and can be
-/// computed.
-pub fn scene_panel(ui: &mut Ui, scene: &Scene) -> Option<Scene> {
+/// Shows the question, the pendulum and the plane; returns the scene if it has changed and can be
+/// computed. `texture` returns the picture of a question, by its place among all, if it is known.
+pub fn scene_panel(
+    ui: &mut Ui,
+    scene: &Scene,
+    texture: impl FnMut(usize) -> Option<TextureId>,
+) -> Option<Scene> {
     let mut new = scene.clone();
-    Grid::new("pendulum").num_columns(2).show(ui, |ui| built(ui, &mut new.build));
-    ui.separator();
-    Grid::new("question").num_columns(2).show(ui, |ui| asked(ui, &mut new.question));
+    question_tiles(ui, &mut new.question, texture);
     ui.label(new.question.ask.kind().about);
+    Grid::new("question").num_columns(2).show(ui, |ui| asked(ui, &mut new.question));
+    ui.separator();
+    Grid::new("pendulum").num_columns(2).show(ui, |ui| built(ui, &mut new.build));
     ui.separator();
     Grid::new("plane").num_columns(2).show(ui, |ui| plane(ui, &mut new.plane));
     plane_diagram(ui, &new.plane);
@@ -71,24 +77,7 @@ const FOLLOWS: &str = "The deeper the view, the longer its pendulums stay togeth
                        when neighbouring pixels of the middle have come a turn apart, in steps of 5 s \
                        (of the default pendulum)";
 
-/// Time in s of the states that are shown first: later ones are noise over most of the map.
-const FIRST_STATE_SECS: f64 = 5.0;
-
 fn asked(ui: &mut Ui, question: &mut QuestionSettings) {
-    let before = question.ask;
-    let label = ui.label("Question");
-    let combo = ComboBox::from_id_salt("ask").selected_text(question.ask.kind().name);
-    let combo = combo.show_ui(ui, |ui| {
-        for ask in QuestionName::ALL {
-            let kind = ask.kind();
-            ui.selectable_value(&mut question.ask, ask, kind.name).on_hover_text(kind.about);
-        }
-    });
-    combo.response.labelled_by(label.id);
-    ui.end_row();
-    if question.ask == QuestionName::State && before != QuestionName::State {
-        question.at = Some(FIRST_STATE_SECS).filter(|secs| *secs < question.budget.secs);
-    }
     let kind = question.ask.kind();
     if kind.watches == Watches::TheRule {
         rule(ui, &mut question.rule);

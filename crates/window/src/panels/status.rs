@@ -10,58 +10,55 @@ use flipmap_render::tiles::explorer::ViewProgress;
 pub struct StatusLine {
     /// The progress of the view.
     pub progress: ViewProgress,
-    /// Seconds until the view is complete, if they can be estimated.
+    /// Seconds until the view is at rest, if they can be estimated.
     pub left_secs: Option<f64>,
+    /// What is asked of each start.
+    pub asks: &'static str,
     /// Width of the view in `unit`.
     pub width: f64,
     /// Unit of the horizontal axis.
     pub unit: &'static str,
-    /// Recent number of starts integrated per second; 0 while nothing is computed.
-    pub rate: f64,
-    /// Number of starts integrated since the window was opened.
-    pub simulated: u64,
+    /// How sure the answers are: a short text, and the full one with the engine.
+    pub sure: (String, String),
     /// Facts about a deep view's depth: a short text, and the full one.
     pub depth: Option<(String, String)>,
     /// A warning about the view, if it needs one: a short text, and the full one.
     pub warning: Option<(String, String)>,
     /// The longer task in progress.
     pub doing: Option<String>,
-    /// The engine with its integrator config, or its state while there is none.
-    pub engine: String,
 }
 
 /// Shows the line.
 pub fn status_line(ui: &mut Ui, status: &StatusLine) {
     ui.horizontal(|ui| {
-        let ViewProgress { level, share, .. } = status.progress;
-        let percent = format!("{:.0} %", (100.0 * share).floor());
-        let bar = ProgressBar::new(share as f32).desired_width(90.0).text(percent);
-        ui.add(bar).on_hover_text("Share of the view's samples that are computed");
+        let way = status.progress.way;
+        let percent = format!("{:.0} %", (100.0 * way).floor());
+        let bar = ProgressBar::new(way as f32).desired_width(88.0).text(percent);
+        ui.add(bar).on_hover_text("How much of the map is done, smooth edges included");
         if let Some(secs) = status.left_secs {
-            ui.label(left_words(secs)).on_hover_text("Until the view is complete, at this pace");
+            ui.label(left_words(secs)).on_hover_text("Until the map is done, at this pace");
         }
-        ui.label(format!("level {level}"));
+        ui.separator();
+        ui.label(status.asks);
         ui.separator();
         ui.label(width_text(status.width, status.unit));
-        if let Some((short, whole)) = &status.depth {
-            ui.separator();
-            ui.label(short).on_hover_text(whole);
+        ui.separator();
+        let mut told = |(short, whole): &(String, String), warns: bool| {
+            let text = egui::RichText::new(short);
+            let text = if warns { text.color(ui.visuals().warn_fg_color) } else { text };
+            ui.label(text).on_hover_text(whole);
+        };
+        told(&status.sure, false);
+        if let Some(warning) = &status.warning {
+            told(warning, true);
         }
-        if let Some((short, whole)) = &status.warning {
-            ui.separator();
-            ui.colored_label(ui.visuals().warn_fg_color, short).on_hover_text(whole);
+        if let Some((_, whole)) = &status.depth {
+            told(&("deep".to_string(), whole.clone()), false);
         }
         if let Some(doing) = &status.doing {
             ui.separator();
-            ui.label(doing);
+            ui.add(egui::Label::new(doing).truncate());
         }
-        ui.separator();
-        ui.label(format!("{} pendulums", grouped(status.simulated)));
-        if status.rate > 0.0 {
-            ui.label(format!("{}/s", short(status.rate)));
-        }
-        ui.separator();
-        ui.add(egui::Label::new(&status.engine).truncate());
     });
 }
 
@@ -109,7 +106,7 @@ fn width_text(width: f64, unit: &str) -> String {
 }
 
 /// Formats a count with thin spaces between its thousands.
-fn grouped(count: u64) -> String {
+pub(crate) fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {
@@ -122,7 +119,7 @@ fn grouped(count: u64) -> String {
 }
 
 /// Formats a rate in thousands or millions.
-fn short(rate: f64) -> String {
+pub(crate) fn short(rate: f64) -> String {
     match rate {
         r if r >= 1e6 => format!("{:.1} M", r / 1e6),
         r if r >= 1e3 => format!("{:.0} k", r / 1e3),

@@ -102,11 +102,15 @@ impl Explorer {
         let drawn = |cell: Cell| {
             std::iter::successors(Some(cell), Cell::parent).any(|cell| known(cell).is_some())
         };
+        let share = shares.iter().sum::<f64>() / shares.len().max(1) as f64;
+        let finer = if share < 1.0 { 0.0 } else { self.refinement.share(self.left()) };
+        let way = if self.refinement.is_wanted() { 0.5 * (share + finer) } else { share };
         ViewProgress {
             level: target.level,
             wanted: placed.len(),
             done: shares.iter().filter(|share| **share == 1.0).count(),
-            share: shares.iter().sum::<f64>() / shares.len().max(1) as f64,
+            share,
+            way,
             covered: !placed.is_empty() && placed.iter().all(|placed| drawn(placed.cell)),
             idle: self.is_done() || self.refinement.begun > 0,
             refines: self.refines(),

@@ -6,7 +6,7 @@ use egui::{
     Align2, Color32, FontId, Painter, Pos2, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2,
 };
 
-use super::{CANVAS, FAINT, INK};
+use super::{CANVAS, FAINT, INK, TimeColour};
 use crate::pins::{Pin, Pins};
 use flipmap_lab::drawing::corner_inside;
 use flipmap_pendulum::State;
@@ -20,7 +20,7 @@ const FILLED: f32 = 0.88;
 const HEAVIEST: f32 = 0.075;
 
 /// Draws the pendulums of all pins at the moment of their clock, `pin`'s in front.
-pub(super) fn stage(ui: &mut Ui, pins: &Pins, pin: &Pin, size: egui::Vec2) {
+pub(super) fn stage(ui: &mut Ui, pins: &Pins, pin: &Pin, size: egui::Vec2, colour_at: TimeColour) {
     let (response, painter) = ui.allocate_painter(size, Sense::hover());
     let state = state_of(pin);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told(pin, state.as_ref())));
@@ -28,20 +28,20 @@ pub(super) fn stage(ui: &mut Ui, pins: &Pins, pin: &Pin, size: egui::Vec2) {
     let half_side = size.min_elem() / 2.0;
     let stage = PendulumCanvas::new(response.rect.center(), half_side, pins.build());
     for other in pins.iter().filter(|other| other.id != pin.id) {
-        stage.trail(&painter, other, 0.5);
+        stage.trail(&painter, other, 0.5, colour_at);
         if let Some(state) = state_of(other) {
             stage.pendulum(&painter, &state, other.badge.colour());
         }
     }
     let Some(state) = state else { return };
-    stage.trail(&painter, pin, 1.0);
+    stage.trail(&painter, pin, 1.0, colour_at);
     if let Some(ghost) = pin.flight.record().ghost.motion.state_at(pin.shown_secs()) {
         stage.ghost(&painter, &ghost);
     }
     stage.pendulum(&painter, &state, pin.badge.colour());
     stage.flip(&painter, pin, pin.shown_secs());
     let corner = response.rect.left_bottom() + vec2(6.0, -4.0);
-    let legend = format!("dashed: the pendulum one pixel away from {}", pin.badge.letter());
+    let legend = format!("dashed: one pixel away from {}", pin.badge.letter());
     painter.text(corner, Align2::LEFT_BOTTOM, legend, FontId::proportional(10.0), FAINT);
 }
 
@@ -143,15 +143,17 @@ impl<'a> PendulumCanvas<'a> {
         }
     }
 
-    /// Draws the past path of the second bob, fading with age.
-    fn trail(&self, painter: &Painter, pin: &Pin, strength: f32) {
+    /// Draws the past path of the second bob, fading with age, in the colours of the map at the
+    /// times when the bob was there.
+    fn trail(&self, painter: &Painter, pin: &Pin, strength: f32, colour_at: TimeColour) {
         let ends: Vec<(Pos2, f32)> =
             pin.trail.points().map(|(angle, youth)| (self.ends(angle)[1], youth)).collect();
         for first in (0..ends.len()).step_by(BAND_POINTS) {
             // Bands share a point, so that there are no gaps.
             let band = &ends[first..ends.len().min(first + BAND_POINTS + 1)];
             let youth = band.last().map_or(0.0, |(_, youth)| *youth);
-            let stroke = Stroke::new(1.5, pin.badge.colour().gamma_multiply(youth * strength));
+            let colour = colour_at(pin.trail.secs_at(youth)).unwrap_or(pin.badge.colour());
+            let stroke = Stroke::new(1.5, colour.gamma_multiply(youth * strength));
             painter.add(Shape::line(band.iter().map(|(at, _)| *at).collect(), stroke));
         }
     }

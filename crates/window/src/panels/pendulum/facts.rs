@@ -9,6 +9,25 @@ use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::separation::reading_at;
 use flipmap_pendulum::{Outcome, Status};
 
+/// Shows when the pendulum flips, and a warning if the map says otherwise.
+pub(super) fn headline(ui: &mut Ui, pin: &Pin) {
+    let outcome = pin.flight.outcome();
+    let words = match outcome {
+        Some(outcome) if outcome.status == Status::Answered => {
+            format!("Flips after {:.3} s", outcome.time.hi)
+        }
+        Some(outcome) if outcome.status == Status::Forbidden => {
+            "Has too little energy to flip".into()
+        }
+        _ => format!("Flip: {}", flown_words(&pin.flight, outcome)),
+    };
+    ui.strong(words).on_hover_text(FLOWN);
+    if let Some(apart) = agreement(pin).filter(|agreement| *agreement != Agreement::Same) {
+        let words = format!("Map and gold standard {}", agreement_words(apart));
+        ui.colored_label(ui.visuals().warn_fg_color, words).on_hover_text(BOTH);
+    }
+}
+
 /// Shows the numbers as tables of names and values.
 pub(super) fn facts(ui: &mut Ui, pin: &Pin) {
     Grid::new("start").num_columns(4).show(ui, |ui| {

@@ -1,0 +1,77 @@
+//! What the line below the map says, and the measurements that F12 shows.
+
+use super::model::AppModel;
+use super::panels::accuracy;
+use super::panels::status::{StatusLine, depth_words, grouped, short};
+
+impl AppModel {
+    /// Returns the content of the line below the map.
+    pub(super) fn status(&self) -> StatusLine {
+        let progress = self.progress();
+        let depth = self.compute.explorer.depth().zip(self.compute.config());
+        let budget_secs = self.state.question.budget.secs;
+        let depth = depth.map(|(depth, config)| depth_words(&depth, config.precision, budget_secs));
+        let [across, _] = self.state.plane.axes();
+        StatusLine {
+            progress,
+            left_secs: self.estimates.time_left.secs(),
+            asks: self.state.question.ask.kind().asks,
+            width: self.state.camera.width(),
+            unit: across.unit(),
+            sure: self.sure(),
+            depth,
+            warning: self.estimates.forecast.warning(),
+            doing: self.doing(),
+        }
+    }
+
+    /// Returns how sure the answers are, in a few words and in full, with the engine; while there
+    /// is no engine, its state.
+    fn sure(&self) -> (String, String) {
+        match (self.compute.engine(), self.compute.config()) {
+            (Some((name, adapter, why)), Some(config)) => {
+                let (short, promise) = accuracy::sure_words(self.state.integration.spec.setting);
+                let method = accuracy::words(&config);
+                let whole = format!("{promise}\n{method}\n{name}: {adapter}\n{why}");
+                (short, whole)
+            }
+            _ => {
+                let said = self.compute.opening().map(|said| match said.is_empty() {
+                    true => "opening the engine…".to_string(),
+                    false => said,
+                });
+                let said = said.unwrap_or_else(|| "no engine: see Accuracy".to_string());
+                (said.clone(), said)
+            }
+        }
+    }
+
+    /// Returns the longer task in progress, or what the view lacks.
+    fn doing(&self) -> Option<String> {
+        let dives = self.films.descent.running.is_some();
+        let diving = dives.then(|| "going deeper, Esc stops".to_string());
+        let flat = self.spread.flat_secs().map(|secs| {
+            format!("flat to {secs:.0e} s: nothing smaller here; D follows the nearest filament")
+        });
+        self.compute.following().or(diving).or(self.compute.comparing()).or(flat)
+    }
+
+    /// Returns the lines of the window's measurements: the work, then what its owner measured.
+    pub(super) fn measurements(&self) -> Vec<String> {
+        let progress = self.progress();
+        let simulated = self.compute.explorer.counts().simulated;
+        let rate = if progress.idle { 0.0 } else { self.meter.rate() };
+        let (_, how) = self.sure();
+        let mut lines: Vec<String> = how.lines().map(str::to_string).collect();
+        lines.push(format!("level {}", progress.level));
+        lines.push(format!("{} pendulums since the start", grouped(simulated)));
+        if rate > 0.0 {
+            lines.push(format!("{} pendulums/s", short(rate)));
+        }
+        if let Some((short, _)) = self.status().depth {
+            lines.push(short);
+        }
+        lines.extend(self.measured.iter().cloned());
+        lines
+    }
+}
