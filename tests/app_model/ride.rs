@@ -5,7 +5,7 @@ use egui_kittest::kittest::Queryable;
 use flipmap_engine::IntegratorConfig;
 use flipmap_scene::{BuiltIn, Sampling, Scene};
 use flipmap_window::action::{Action, Look};
-use flipmap_window::camera::{Camera, MovePace};
+use flipmap_window::camera::Camera;
 use flipmap_window::folders::Folders;
 use flipmap_window::model::{AppModel, WindowOptions};
 
@@ -36,21 +36,41 @@ fn share_left(desktop: &mut Desktop) -> f64 {
 }
 
 #[test]
-fn a_descent_glides_on_when_a_view_is_half_drawn_and_stops_at_escape() {
+fn a_dive_never_halts_is_paused_and_quickened_and_stays_at_escape() {
     let mut desktop = model(Folders::none(), BuiltIn::named("filigree").map(|b| b.document()));
     press(&mut desktop, Modifiers::NONE, Key::D);
-    for _ in 0..3 {
-        let share = share_left(&mut desktop);
-        assert!(share >= 0.5, "only {share} of the view was known");
-        let moving = desktop.state().state.moving.expect("it glides");
-        assert_eq!(moving.pace, MovePace::Glide);
+    let share = share_left(&mut desktop);
+    assert!(share >= 0.5, "only {share} of the first view was known");
+    let width = |desktop: &Desktop| desktop.state().state.camera.width_rad;
+    let secs = |desktop: &Desktop| desktop.state().state.now_secs;
+    // The first step has begun; from now on, an octave takes two seconds at most.
+    let (began_secs, from) = (secs(&desktop), width(&desktop));
+    while width(&desktop) > from / 32.0 {
+        let before = width(&desktop);
+        desktop.step();
+        assert!(width(&desktop) < before, "it halts at {before}");
+        sleep(Duration::from_millis(5));
     }
-    let level = |desktop: &Desktop| desktop.state().progress().level;
-    desktop.step();
-    let passing = level(&desktop);
+    let octaves = (from / width(&desktop)).log2();
+    let took_secs = secs(&desktop) - began_secs;
+    assert!(took_secs <= 2.0 * octaves + 0.5, "{octaves} octaves in {took_secs} s");
+
+    press(&mut desktop, Modifiers::NONE, Key::Space);
+    let stands = width(&desktop);
+    desktop.run_steps(30);
+    assert_eq!(width(&desktop), stands, "paused");
+    let pace = |desktop: &Desktop| desktop.state().films.descent.pace;
+    let before = pace(&desktop);
+    press(&mut desktop, Modifiers::NONE, Key::Plus);
+    assert!(pace(&desktop) != before && width(&desktop) == stands, "the pace, not the view");
+    press(&mut desktop, Modifiers::NONE, Key::Space);
+    desktop.run_steps(10);
+    assert!(width(&desktop) < stands, "it goes on");
     press(&mut desktop, Modifiers::NONE, Key::Escape);
     desktop.run_steps(2);
-    assert_eq!(level(&desktop), passing + 1, "the last view is drawn in full");
+    let model = desktop.state();
+    let full = model.state.view_target(model.compute.config().unwrap()).level;
+    assert_eq!(model.progress().level, full, "where it stays is drawn in full");
     let there = desktop.state().state.target();
     desktop.run_steps(200);
     assert_eq!(desktop.state().state.target(), there);

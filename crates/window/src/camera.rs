@@ -199,20 +199,23 @@ pub struct Move {
 }
 
 /// The pace of a move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MovePace {
     /// Fast at first and slower towards the end, for moves that the user makes.
     Quick,
-    /// Slow and even, for the successive steps of a descent.
-    Glide,
+    /// Even, for the successive steps of a dive.
+    Even {
+        /// Duration of the move in s.
+        secs: f64,
+    },
 }
 
 impl MovePace {
     /// Returns the duration of a move in s.
-    fn secs(self) -> f64 {
+    pub(crate) fn secs(self) -> f64 {
         match self {
             MovePace::Quick => 0.25,
-            MovePace::Glide => 1.5,
+            MovePace::Even { secs } => secs,
         }
     }
 
@@ -220,7 +223,7 @@ impl MovePace {
     fn eased(self, t: f64) -> f64 {
         match self {
             MovePace::Quick => 1.0 - (1.0 - t).powi(3),
-            MovePace::Glide => t,
+            MovePace::Even { .. } => t,
         }
     }
 }
@@ -382,7 +385,7 @@ mod tests {
     #[test]
     fn a_glide_takes_its_time_and_zooms_evenly() {
         let to = home().zoomed(10.0, DVec2::new(1.0, 0.5));
-        let glide = Move { from: home(), to, began_secs: 2.0, pace: MovePace::Glide };
+        let glide = Move { from: home(), to, began_secs: 2.0, pace: MovePace::Even { secs: 1.5 } };
         let log_width = |at_secs: f64| glide.at(at_secs).0.width_rad.ln();
         let steps = [2.0, 2.5, 3.0, 3.5].map(log_width);
         for pair in steps.windows(2) {

@@ -82,6 +82,7 @@ impl AppModel {
             overlay::draw_export_frame(&ui.painter_at(rect), rect, self.forms.export.size);
         }
         actions.extend(self.pendulum_card(ui, rect));
+        actions.extend(self.greet(ui, rect));
         // The laboratory has tabs of its own.
         if self.state.shown.side && !self.state.shown.lab {
             let history = &self.state.history;

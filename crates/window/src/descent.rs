@@ -7,6 +7,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use super::action::{Action, Look};
 use super::camera::Camera;
 use super::compute_service::{Wake, lower_priority};
+use super::dive::DivePace;
 use super::film::Films;
 use super::panels::descent::DescentAction;
 use super::reach::Reach;
@@ -16,6 +17,11 @@ use flipmap_engine::{EngineError, EngineKind};
 use flipmap_render::tiles::descent::{Descent, DescentStep};
 use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::Scene;
+
+/// Number of views that a descent is ahead of the window, so that the window never waits for one.
+const AHEAD: usize = 3;
+/// Most levels by which a view that a dive passes is drawn coarser than in full.
+const MOST_COARSER: u32 = 3;
 
 /// A descent on a thread with an engine of its own. Dropping it stops the descent.
 #[derive(Debug)]
@@ -49,8 +55,8 @@ impl BackgroundDescent {
         engine: EngineRequest,
         wake: Wake,
     ) -> Self {
-        // The descent waits for the window: it computes one view ahead and no more.
-        let (sender, news) = sync_channel(1);
+        // The descent waits for the window: it computes a few views ahead and no more.
+        let (sender, news) = sync_channel(AHEAD);
         let stopped = Arc::new(AtomicBool::new(false));
         let stop = Arc::clone(&stopped);
         std::thread::spawn(move || {
@@ -81,14 +87,28 @@ pub struct DescentPath {
     pub running: Option<BackgroundDescent>,
     /// Views found so far, starting with the one where the descent began.
     pub scenes: Vec<Scene>,
+    /// Pace of the camera from one view to the next.
+    pub pace: DivePace,
+    /// Number of levels by which the view that is approached is drawn coarser than in full.
+    coarser: u32,
+}
+
+/// How much of the last view of a dive is drawn, and how fast views are computed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drawn {
+    /// Share of the view that is drawn, 0 to 1.
+    pub share: f64,
+    /// Samples computed per second; 0 if that is not known.
+    pub rate: f64,
 }
 
 impl DescentPath {
-    /// Returns the target for a view. Views that a descent passes are drawn at half the resolution,
-    /// because it waits until each is half drawn.
+    /// Returns the target for a view. Views that a dive passes are drawn at half the resolution or
+    /// less, so that they are complete in time; those where it rests, in full.
     pub fn passing(&self, target: ViewTarget) -> ViewTarget {
-        let passes = self.running.is_some() && self.scenes.len() > 1;
-        if passes { target.coarser() } else { target }
+        let passes = self.running.is_some() && self.scenes.len() > 1 && !self.pace.is_paused;
+        let levels = if passes { self.coarser } else { 0 };
+        (0..levels).fold(target, |target, _| target.coarser())
     }
 }
 
@@ -101,7 +121,8 @@ impl Films {
         request: &EngineRequest,
         wake: &Wake,
     ) {
-        if self.descent.running.take().is_some() {
+        if self.descent.running.is_some() {
+            self.stop_dive(state);
             return;
         }
         if let Err(error) = state.scene().require_flip_from_rest() {
@@ -115,15 +136,74 @@ impl Films {
         state.question.budget.auto = true;
         let scene = state.document().scene();
         self.descent.scenes = vec![scene.clone()];
+        self.descent.pace.is_paused = false;
         let request = EngineRequest { setting: state.integration.spec.setting, ..request.clone() };
         self.descent.running =
             Some(BackgroundDescent::start(scene, towards, request, Arc::clone(wake)));
     }
 
-    /// Follows the running descent once its last view has been reached and half of it is drawn:
-    /// `share` says how much is. Returns true if the descent had news.
-    pub(super) fn follow_descent(&mut self, state: &mut AppState, share: f64) -> bool {
-        if state.moving.is_some() || share < 0.5 {
+    /// Stops a running descent where the camera is, and offers its views as a film.
+    pub(super) fn stop_dive(&mut self, state: &mut AppState) {
+        if self.descent.running.take().is_some() {
+            state.stay();
+            if self.offer_film(state) {
+                state.notices.tell("The Film panel now has the dive as a film.");
+            }
+        }
+    }
+
+    /// Makes a running dive faster or slower by a factor; returns false if there is none.
+    pub(super) fn quicken_dive(&mut self, state: &mut AppState, factor: f64) -> bool {
+        let dives = self.descent.running.is_some();
+        if dives {
+            self.descent.pace.quicken(factor);
+            if let Some(moving) = state.moving {
+                let pace = self.descent.pace.between(&state.camera, &moving.to, 1.0);
+                state.glide(moving.to, pace);
+            }
+        }
+        dives
+    }
+
+    /// Pauses a running dive or lets it go on; returns false if there is none.
+    pub(super) fn pause_dive(&mut self, state: &mut AppState) -> bool {
+        let dives = self.descent.running.is_some();
+        if dives {
+            self.descent.pace.is_paused ^= true;
+            match self.descent.pace.is_paused {
+                true => state.stay(),
+                false => self.go_on(state),
+            }
+        }
+        dives
+    }
+
+    /// Goes on to the view that a paused dive was approaching.
+    fn go_on(&self, state: &mut AppState) {
+        let Some(scene) = self.descent.scenes.last() else { return };
+        let to = Camera::from_view(&scene.view, Reach::TORUS);
+        if to.width_rad < state.camera.width_rad {
+            state.glide(to, self.descent.pace.between(&state.camera, &to, 1.0));
+        }
+    }
+
+    /// Glides to a view of the descent, drawn as finely as can be computed by the arrival.
+    fn approach(&mut self, state: &mut AppState, to: Camera, drawn: Drawn) {
+        let pace = self.descent.pace.between(&state.camera, &to, drawn.share);
+        let samples = state.samples_on_canvas();
+        let in_time = drawn.rate * pace.secs();
+        let too_many = if in_time > 0.0 { (samples / in_time).log2() / 2.0 } else { 0.0 };
+        self.descent.coarser = (too_many.ceil().max(0.0) as u32).clamp(1, MOST_COARSER);
+        state.glide(to, pace);
+    }
+
+    /// Follows the running descent: once its last view has been reached, the camera goes on to the
+    /// next one, at a pace that depends on how much of the last view is drawn. Returns true if the
+    /// descent had news.
+    pub(super) fn follow_descent(&mut self, state: &mut AppState, drawn: Drawn) -> bool {
+        // The first view is drawn before it is left, and without moves each is.
+        let waits = self.descent.scenes.len() < 2 || !state.look.animate;
+        if state.moving.is_some() || self.descent.pace.is_paused || (waits && drawn.share < 0.5) {
             return false;
         }
         let Some(news) = self.descent.running.as_ref().and_then(BackgroundDescent::news) else {
@@ -131,14 +211,14 @@ impl Films {
         };
         match news {
             DescentNews::To(scene) => {
-                state.glide(Camera::from_view(&scene.view, Reach::TORUS));
+                self.approach(state, Camera::from_view(&scene.view, Reach::TORUS), drawn);
                 self.descent.scenes.push(*scene);
             }
             DescentNews::Over(why) => {
                 self.descent.running = None;
+                state.stay();
                 let offers = self.offer_film(state);
-                let offer =
-                    if offers { " The Film panel now has the descent as a film." } else { "" };
+                let offer = if offers { " The Film panel now has the dive as a film." } else { "" };
                 state.notices.tell(format!("{why}{offer}"));
             }
         }
@@ -162,13 +242,12 @@ impl Films {
 
     /// Offers the views of a descent as a film, unless the user has begun another film. Returns
     /// true if it did.
-    fn offer_film(&mut self, state: &mut AppState) -> bool {
+    fn offer_film(&mut self, state: &AppState) -> bool {
         let is_free = self.draft.keys.is_empty() || self.draft.of_descent;
         if self.descent.scenes.len() < 2 || !is_free {
             return false;
         }
         self.draft_descent(state);
-        state.open_panel("Film");
         true
     }
 

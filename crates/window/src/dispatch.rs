@@ -26,7 +26,11 @@ impl AppModel {
     }
 
     fn carry_out(&mut self, action: Action) -> Option<Effect> {
-        self.films.give_way_to(&action);
+        if self.steers_dive(&action) {
+            return None;
+        }
+        self.films.give_way_to(&action, &mut self.state);
+        self.state.shown.card &= !action.is_of_map();
         let state = &mut self.state;
         match action {
             Action::Look(look) => self.look(look),
@@ -85,6 +89,17 @@ impl AppModel {
             Action::Quit => return Some(Effect::Quit),
         }
         None
+    }
+
+    /// Lets the wheel and the space bar steer a dive instead of the map; returns true if they did.
+    fn steers_dive(&mut self, action: &Action) -> bool {
+        match action {
+            Action::Look(Look::Zoom { factor, .. }) => {
+                self.films.quicken_dive(&mut self.state, *factor)
+            }
+            Action::PlayPause => self.films.pause_dive(&mut self.state),
+            _ => false,
+        }
     }
 
     /// Carries out a movement of the view. Through the history, the question may change with it.

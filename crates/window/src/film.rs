@@ -56,15 +56,15 @@ impl Films {
         differs.then(|| Action::Scene(Box::new(asked)))
     }
 
-    /// Stops the descent and pauses the preview if the user looks elsewhere.
-    pub(super) fn give_way_to(&mut self, action: &Action) {
+    /// Stops the descent where it is and pauses the preview if the user looks elsewhere.
+    pub(super) fn give_way_to(&mut self, action: &Action, state: &mut AppState) {
         let leaves = match action {
             Action::Look(look) => *look != Look::Release,
             Action::Escape | Action::Show(_) | Action::Visit(_) | Action::FromLab(_) => true,
             _ => false,
         };
         if leaves || matches!(action, Action::Scene(_)) {
-            self.descent.running = None;
+            self.stop_dive(state);
         }
         if leaves || matches!(action, Action::GoDeeper) {
             self.draft.clock.pause();

@@ -12,11 +12,13 @@ use super::action::Action;
 use super::canvas::MapRenderer;
 use super::commands::{choices, commands, pressed};
 use super::compute_service::{ComputeService, Wake};
+use super::descent::Drawn;
 use super::dialog::FileDialog;
 use super::exports::Exports;
 use super::film::Films;
 use super::film_run::FilmCommand;
 use super::folders::Folders;
+use super::greeting::Greeting;
 use super::meter::Meter;
 use super::outlook::Estimates;
 use super::panels::export::ExportForm;
@@ -24,7 +26,7 @@ use super::panels::places::{PlaceForm, Thumbnails};
 use super::panels::status::status_line;
 use super::panels::timeline::timeline;
 use super::panels::view::ViewForm;
-use super::panels::{card, help, notices};
+use super::panels::{help, notices};
 use super::places::Places;
 use super::settings::{Appearance, Loaded, Settings, Store};
 use super::small_pictures::SmallPictures;
@@ -81,6 +83,7 @@ pub struct AppModel {
     pub compute: ComputeService,
     pub(super) map_renderer: MapRenderer,
     pub(super) swing: HoverSwing,
+    pub(super) greeting: Greeting,
     pub(super) meter: Meter,
     pub(super) store: Store,
     /// Settings kept between runs.
@@ -154,6 +157,7 @@ impl AppModel {
             compute,
             map_renderer: MapRenderer::default(),
             swing: HoverSwing::default(),
+            greeting: Greeting::default(),
             meter: Meter::default(),
             store,
             settings,
@@ -197,7 +201,8 @@ impl AppModel {
         }
         let progress = self.compute.explorer.progress();
         self.estimates.time_left.read(state.target(), &progress, Instant::now());
-        let news = self.films.follow_descent(state, progress.share);
+        let drawn = Drawn { share: progress.share, rate: self.meter.rate() };
+        let news = self.films.follow_descent(state, drawn);
         // Views passed during a descent are left before anyone could read a warning about them.
         let stays = self.films.descent.running.is_none();
         let complete = progress.idle && progress.wanted > 0;
@@ -233,9 +238,6 @@ impl AppModel {
         }
         if self.state.shown.help {
             actions.extend(help::help(&ctx, &commands));
-        }
-        if self.state.shown.card {
-            actions.extend(card::card(&ctx));
         }
         actions.extend(notices::notices(&ctx, &self.state.notices, self.state.now_secs));
         let status = self.status();

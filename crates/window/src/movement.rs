@@ -60,9 +60,15 @@ impl AppState {
         self.go(Camera { center: angle, ..self.target() });
     }
 
-    /// Glides to a camera, as slowly as a descent goes.
-    pub(super) fn glide(&mut self, to: Camera) {
-        self.go_at(to, MovePace::Glide);
+    /// Glides to a camera as a step of a dive, which is not recorded in the history.
+    pub(super) fn glide(&mut self, to: Camera, pace: MovePace) {
+        self.go_at(to, pace);
+        self.dragging = true;
+    }
+
+    /// Stays where a glide has come to.
+    pub(super) fn stay(&mut self) {
+        (self.moving, self.dragging) = (None, false);
     }
 
     /// Jumps to a camera; `on_the_way` is true if it will be moved again at once.

@@ -34,6 +34,8 @@ impl AppModel {
             let frame = Frame::popup(ui.style()).fill(fill).inner_margin(8);
             frame.show(ui, |ui| {
                 ui.set_width(width);
+                // The area would offer no more height than it had in the frame before.
+                ui.set_max_height(most);
                 let scroll = ScrollArea::vertical().max_height(most);
                 scroll.show(ui, |ui| self.card_contents(ui)).inner
             })

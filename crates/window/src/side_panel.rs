@@ -209,7 +209,7 @@ impl AppModel {
 
     /// Shows the panel of the automatic descent.
     fn deeper_section(&mut self, ui: &mut Ui) -> Vec<Action> {
-        let DescentPath { running, scenes } = &self.films.descent;
+        let DescentPath { running, scenes, .. } = &self.films.descent;
         let done = descent_panel(ui, &descent::DescentView { going: running.is_some(), scenes });
         done.into_iter().filter_map(|action| self.films.deeper(action, &self.state)).collect()
     }

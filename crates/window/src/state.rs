@@ -30,7 +30,7 @@ pub enum Dialog {
     Commands,
     /// The window's measurements of itself.
     Debug,
-    /// The card of the first start.
+    /// The greeting of the first start.
     Card,
     /// The pendulums of all pins, in place of the map.
     Stage,
@@ -51,7 +51,7 @@ pub struct OpenDialogs {
     pub commands: bool,
     /// True if the window's measurements of itself are shown.
     pub debug: bool,
-    /// True if the card of the first start is shown.
+    /// True if the greeting of the first start is shown.
     pub card: bool,
     /// True if the pendulums of all pins are shown in place of the map.
     pub stage: bool,
@@ -204,6 +204,11 @@ impl AppState {
     /// Returns the canvas as it looks now.
     pub(crate) fn screen(&self) -> Screen {
         self.through(self.camera)
+    }
+
+    /// Returns the number of samples with which the canvas is drawn in full.
+    pub(super) fn samples_on_canvas(&self) -> f64 {
+        self.canvas.x * self.canvas.y * self.pixels_per_point * self.pixels_per_point
     }
 
     fn through(&self, camera: Camera) -> Screen {

@@ -48,8 +48,14 @@ impl AppModel {
 
     /// Returns the longer task in progress, or what the view lacks.
     fn doing(&self) -> Option<String> {
-        let dives = self.films.descent.running.is_some();
-        let diving = dives.then(|| "going deeper, Esc stops".to_string());
+        let path = &self.films.descent;
+        let diving = path.running.is_some().then(|| match path.pace.is_paused {
+            true => "the dive is paused: Space goes on, Esc stays here".to_string(),
+            false => format!(
+                "diving, × {:.1} a second: the wheel changes the pace, Space pauses, Esc stays",
+                path.pace.octaves_a_sec().exp2()
+            ),
+        });
         let flat = self.spread.flat_secs().map(|secs| {
             format!("flat to {secs:.0e} s: nothing smaller here; D follows the nearest filament")
         });

@@ -159,9 +159,9 @@ fn preview(ui: &mut Ui, draft: &FilmDraft, actions: &mut Vec<FilmAction>) {
 }
 
 fn keys_file(ui: &mut Ui, draft: &mut FilmDraft, actions: &mut Vec<FilmAction>) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let label = ui.label("Keyframes file");
-        let width = (ui.available_width() - 165.0).max(60.0);
+        let width = ui.available_width().max(60.0);
         let field = TextEdit::singleline(&mut draft.keys_path).desired_width(width);
         ui.add(field).labelled_by(label.id);
         let named = !draft.keys_path.trim().is_empty();
@@ -178,7 +178,7 @@ fn output(ui: &mut Ui, draft: &mut FilmDraft, actions: &mut Vec<FilmAction>) {
     Grid::new("film").num_columns(2).show(ui, |ui| {
         let label = ui.label("Film to");
         ui.horizontal(|ui| {
-            let width = (ui.available_width() - 80.0).max(100.0);
+            let width = (ui.available_width() - 80.0).max(60.0);
             let field = TextEdit::singleline(&mut draft.path).desired_width(width);
             ui.add(field).labelled_by(label.id).on_hover_text(
                 ".mp4, .mkv (lossless), .gif or .webp through ffmpeg, or a folder of pictures",

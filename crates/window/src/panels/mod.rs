@@ -1,7 +1,6 @@
 //! The panels beside the map: each shows plain state and returns the user's actions.
 
 pub(crate) mod accuracy;
-pub(crate) mod card;
 mod colour_strip;
 pub mod colours;
 pub(crate) mod descent;
