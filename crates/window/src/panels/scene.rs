@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Grid, Ui};
 
-use super::field::number;
+use super::field::{meant, number};
 use super::plane_diagram::plane_diagram;
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
@@ -174,7 +174,7 @@ fn plane(ui: &mut Ui, plane: &mut Plane) {
         let value = plane.origin[place].parse().unwrap_or(0.0);
         let name = format!("Fixed {}", axis.symbol());
         if let Some(value) = number(ui, &name, &format!(" {}", axis.unit()), value, -FAR..=FAR) {
-            plane.origin[place] = value.to_string();
+            plane.origin[place] = meant(value).to_string();
         }
         ui.end_row();
     }
