@@ -10,13 +10,15 @@ use egui::Ui;
 
 use super::action::Action;
 use super::canvas::MapRenderer;
-use super::commands::{choices, commands, pressed};
+use super::commands::{choices, commands};
 use super::compute_service::{ComputeService, Wake};
 use super::dialog::FileDialog;
 use super::exports::Exports;
 use super::film::Films;
 use super::film_run::FilmCommand;
 use super::folders::Folders;
+use super::in_view::InView;
+use super::keys::pressed;
 use super::meter::Meter;
 use super::outlook::Estimates;
 use super::panels::export::ExportForm;
@@ -79,6 +81,7 @@ pub struct AppModel {
     pub compute: ComputeService,
     pub(super) map_renderer: MapRenderer,
     pub(super) swing: HoverSwing,
+    pub(super) in_view: InView,
     pub(super) meter: Meter,
     pub(super) store: Store,
     /// Settings kept between runs.
@@ -160,6 +163,7 @@ impl AppModel {
             compute,
             map_renderer: MapRenderer::default(),
             swing: HoverSwing::default(),
+            in_view: InView::default(),
             meter: Meter::default(),
             store,
             settings,
