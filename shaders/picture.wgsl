@@ -4,7 +4,7 @@
 // known. Each sample is one packed word: the value of its time or the colour of another answer, how
 // sure it is, and its status (counterpart: crates/window/src/canvas/sample.rs). Each quad says
 // which part of a slot is drawn where, and how much it covers what is beneath. Between samples, the
-// light of the four nearest is mixed; where many samples lie in a pixel, the light of all of them.
+// light of the four nearest is mixed, at most over a few pixels; where many samples lie in a pixel, the light of all of them.
 // Times are never mixed, because the mean of two flip times is the time of no pendulum.
 
 struct Canvas {
@@ -73,6 +73,9 @@ const UNCERTAIN: u32 = 4u;
 // Number of samples along a pixel above which all of them are mixed. There are fewer at the view's
 // own level, unless the view is stretched.
 const MANY: f32 = 1.35;
+// Number of pixels over which neighbouring samples are mixed at most. Over the whole of a sample
+// that fills the view, as in a fast zoom, the mixture would be a colour that no pendulum has.
+const MIXED_PX: f32 = 16.0;
 
 @vertex
 fn corner_of(quad: Quad, @builtin(vertex_index) index: u32) -> Fragment {
@@ -204,9 +207,11 @@ fn colour_of(in: Fragment) -> @location(0) vec4<f32> {
         let taps = clamp(vec2<u32>(ceil(along)), vec2<u32>(1u), vec2<u32>(MAX_TAPS));
         light = mean_light(in, taps, texel_x, texel_y);
     } else {
-        let upper = mix(light_of(at.words.w), light_of(at.words.z), at.part.x);
-        let lower = mix(light_of(at.words.x), light_of(at.words.y), at.part.x);
-        light = mix(upper, lower, at.part.y);
+        let sharpness = max(1.0, 1.0 / (MIXED_PX * max(max(along.x, along.y), 1e-12)));
+        let part = clamp((at.part - 0.5) * sharpness + 0.5, vec2<f32>(0.0), vec2<f32>(1.0));
+        let upper = mix(light_of(at.words.w), light_of(at.words.z), part.x);
+        let lower = mix(light_of(at.words.x), light_of(at.words.y), part.x);
+        light = mix(upper, lower, part.y);
         if canvas.relief > 0.0 {
             light *= relief_of(at.words, at.part, texel_x, texel_y);
         }

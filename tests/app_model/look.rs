@@ -8,7 +8,7 @@ fn digits_bring_kept_colours_back_also_in_the_next_window() {
     let folders = || Folders::under(folder.path());
     let mut desktop = model(folders(), None);
     press(&mut desktop, Modifiers::NONE, Key::Num2);
-    assert!(notices(&desktop).contains("No colours are kept under 2; Shift+2 keeps"));
+    assert!(notices(&desktop).contains("No colours are kept under 2; Ctrl+2 keeps"));
     let plain = desktop.state().state.picture.clone();
     desktop.state_mut().state.picture.palette = "magma".to_string();
     desktop.state_mut().state.picture.relief = 0.4;
@@ -25,7 +25,7 @@ fn digits_bring_kept_colours_back_also_in_the_next_window() {
     press(&mut next, Modifiers::NONE, Key::Num2);
     assert_eq!(next.state().state.picture, kept);
     press(&mut next, Modifiers::NONE, Key::F1);
-    next.get_by_label("Favourite colours; with Shift, save the current ones");
+    next.get_by_label("Favourite colours; with Ctrl, save the current ones");
 }
 
 #[test]

@@ -11,15 +11,18 @@ use flipmap_pendulum::{Pendulum, Rule};
 use flipmap_scene::palette::{AnswerColours, Rgb};
 use flipmap_scene::{Document, Kind, Plane, PlaneKind, QuestionSettings, Scene};
 
-/// Counts of the map's computed pixels.
+/// Counts of the pixels of a picture or of a view.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
+    /// Name of the pixels that are counted.
+    pub name: &'static str,
     /// Number of pixels computed so far.
     pub pixels: u64,
     /// Number of starts that cannot flip because energy is conserved.
     pub forbidden: u64,
-    /// Number of starts that were integrated, which excludes mirror images and forbidden starts.
-    pub simulated: u64,
+    /// Number of starts that were integrated, which excludes mirror images and forbidden starts, if
+    /// it was counted.
+    pub simulated: Option<u64>,
 }
 
 /// Shows a picture of the map beside its explanation, without the explorer's window.
@@ -49,13 +52,15 @@ pub fn explain(ui: &mut Ui, document: &Document, seen: &Seen) -> Option<Kind> {
             let share = 100.0 * count as f64 / seen.pixels.max(1) as f64;
             format!("{count} ({share:.1} %)")
         };
-        row(ui, "pixels", seen.pixels.to_string());
+        row(ui, seen.name, seen.pixels.to_string());
         if forbids {
             row(ui, "forbidden", counted(seen.forbidden));
         }
-        row(ui, "integrated", counted(seen.simulated));
-        let others = seen.pixels.saturating_sub(seen.forbidden + seen.simulated);
-        row(ui, "mirror images, or known at once", counted(others));
+        if let Some(simulated) = seen.simulated {
+            row(ui, "integrated", counted(simulated));
+            let others = seen.pixels.saturating_sub(seen.forbidden + simulated);
+            row(ui, "mirror images, or known at once", counted(others));
+        }
     });
     let mut kind = scene.build.kind;
     ui.horizontal(|ui| {

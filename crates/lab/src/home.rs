@@ -32,8 +32,12 @@ pub fn home_map(side: u32) -> Result<HomeMap, ChoiceError> {
     let mut renderer = Renderer::new(&EngineRequest { kind, setting, ..EngineRequest::default() })?;
     let samples = renderer.render(&scene, size)?;
     let counts = renderer.counts();
-    let seen =
-        Seen { pixels: counts.pixels, forbidden: counts.forbidden, simulated: counts.simulated };
+    let seen = Seen {
+        name: "pixels",
+        pixels: counts.pixels,
+        forbidden: counts.forbidden,
+        simulated: Some(counts.simulated),
+    };
     let painter = RowPainter::new(&scene, size, &document.picture);
     let rgb = painter.map(|mut painter| painter.paint(&samples)).unwrap_or_default();
     let image = ColorImage::from_rgb(size.map(|side| side as usize), &rgb);

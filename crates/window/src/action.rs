@@ -100,6 +100,8 @@ pub enum Action {
     PlayPause,
     /// Changes the pendulum, the question or the plane; the view stays if the plane does.
     Scene(Box<Scene>),
+    /// Lets the light of the relief come from a point.
+    Light(DVec2),
     /// Changes the colours.
     Picture(PictureTable),
     /// Starts, changes or stops the animation of the palette.
@@ -140,6 +142,8 @@ pub enum Action {
     CopyLocation,
     /// Centres the map on a start.
     Find([Exact; 2]),
+    /// Keeps the notices for now, because the pointer is on them.
+    HoldNotices,
     /// Hides a notice.
     Dismiss(u64),
     /// Sets the scale of the interface.

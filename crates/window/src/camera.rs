@@ -3,6 +3,7 @@
 
 use glam::{DMat2, DVec2};
 
+use super::panels::meant;
 use super::reach::Reach;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::lattice::{DEEPEST, Region, pitch_rad};
@@ -77,9 +78,9 @@ impl Camera {
         };
         View {
             center: self.reach.coordinates(self.center).map(|x| x.decimal(decimals(x))),
-            width: format!("{:?}", self.width()),
-            rotate: self.rotate_deg,
-            stretch: self.stretch,
+            width: format!("{:?}", meant(self.width())),
+            rotate: meant(self.rotate_deg),
+            stretch: meant(self.stretch),
             fit: false,
         }
     }

@@ -7,7 +7,7 @@ use egui::Ui;
 use super::action::Action;
 use super::canvas::colours::{CardColours, gliding_colours};
 use super::commands::Command;
-use super::map::{Hovered, map};
+use super::map::{Hovered, caption, map};
 use super::model::AppModel;
 use super::panels::map_legend::map_legend;
 use super::panels::pendulum;
@@ -86,7 +86,7 @@ impl AppModel {
         // The laboratory has tabs of its own.
         if self.state.shown.side && !self.state.shown.lab {
             let history = &self.state.history;
-            let ways = [history.has_back(), history.has_forward()];
+            let ways = [self.state.has_back(), history.has_forward()];
             actions.extend(toolbar(ui, rect, commands, ways));
         }
         actions
@@ -145,9 +145,10 @@ impl AppModel {
         let place = hovered.filter(|_| calm).map(|hovered| hovered.place);
         let now_secs = ui.input(|input| input.time);
         let angle = self.swing.follow(scene, place, now_secs);
-        if let (Some(angle), Some(pointer)) = (angle, self.state.pointer) {
-            let at = overlay::position(rect, pointer);
-            pendulum::miniature(&ui.painter_at(rect), at, &scene.build, angle);
+        if let (Some(angle), Some(pointer), Some(hovered)) = (angle, self.state.pointer, hovered) {
+            let (painter, at) = (ui.painter_at(rect), overlay::position(rect, pointer));
+            let caption = caption(&painter, rect, &self.state, (pointer, &hovered)).rect;
+            pendulum::miniature(&painter, (at, caption), &scene.build, angle);
         }
         if let Some(secs) = self.swing.next_secs(now_secs) {
             ui.ctx().request_repaint_after(Duration::from_secs_f64(secs));

@@ -9,6 +9,7 @@ use glam::DVec2;
 use super::action::{Action, LabAction, Look};
 use super::favourites::DIGITS;
 use super::flight::playback::Playback;
+use super::light::switched;
 use super::panels::colours::any_palette;
 use super::sections::PANELS;
 use super::settings::{EdgeSamples, Layers, Theme};
@@ -22,7 +23,7 @@ use flipmap_scene::{BUILT_IN, PictureTable};
 pub(crate) struct Command {
     /// Short description of the command.
     pub name: Cow<'static, str>,
-    /// Shortcuts that trigger it.
+    /// Shortcuts that trigger it; the first is its usual one.
     pub keys: Vec<KeyboardShortcut>,
     /// Action that it triggers.
     pub action: Action,
@@ -38,11 +39,11 @@ impl Command {
 }
 
 /// Share of the canvas by which an arrow key moves the view.
-const STEP: f64 = 0.15;
+pub(crate) const STEP: f64 = 0.15;
 /// Zoom factor of a key press.
 const KEY_ZOOM: f64 = std::f64::consts::SQRT_2;
 
-const PLAIN: Modifiers = Modifiers::NONE;
+pub(crate) const PLAIN: Modifiers = Modifiers::NONE;
 
 fn key(modifiers: Modifiers, key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(modifiers, key)
@@ -120,7 +121,11 @@ fn showing(layers: &Layers) -> Vec<Command> {
         command("Panels and toolbar", keyed(Key::F9), Action::Toggle(Dialog::Side))
             .also("hide show clean rail side"),
         command("All pendulums in the whole window", keyed(Key::F), Action::Toggle(Dialog::Stage)),
-        command("Keys", keyed(Key::F1), Action::Toggle(Dialog::Help)),
+        command(
+            "Keys",
+            [key(PLAIN, Key::F1), key(PLAIN, Key::Questionmark)],
+            Action::Toggle(Dialog::Help),
+        ),
         command("What you are seeing", [], Action::Toggle(Dialog::Card)),
         command(
             "Commands",
@@ -145,13 +150,19 @@ fn doing(state: &AppState) -> Vec<Command> {
             [key(PLAIN, Key::M)],
             Action::Timeline(state.shown.timeline.xor(Some(Playback::default()))),
         ),
+        command("Relief", [key(PLAIN, Key::R)], Action::Picture(switched(&state.picture)))
+            .also("light shadow emboss shading landscape"),
         command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
         command("Copy the location", ctrl(Key::L), Action::CopyLocation).also("share link"),
         command("Accuracy: lesson", [], accuracy(Accuracy::Lesson)),
         command("Accuracy: fast", [], accuracy(Accuracy::Fast)),
         command("Accuracy: balanced", [], accuracy(Accuracy::Balanced)),
         command("Accuracy: exact", [], accuracy(Accuracy::Exact)),
-        command("Interface larger", ctrl(Key::Plus), scale(1.1)),
+        command(
+            "Interface larger",
+            [key(Modifiers::COMMAND, Key::Plus), key(Modifiers::COMMAND, Key::Equals)],
+            scale(1.1),
+        ),
         command("Interface smaller", ctrl(Key::Minus), scale(1.0 / 1.1)),
         command("Dark", [], Action::Theme(Theme::Dark)).also("theme"),
         command("Light", [], Action::Theme(Theme::Light)).also("theme"),
@@ -201,14 +212,14 @@ pub(crate) fn favourites() -> Vec<Command> {
         Key::Num9,
     ];
     let of_digit = |(digit, number): (u8, Key)| {
-        // Shift turns some digits into other keys that have names of their own.
-        let shifted = (digit == 1).then_some(Key::Exclamationmark);
-        let shifted =
-            std::iter::once(number).chain(shifted).map(|name| key(Modifiers::SHIFT, name));
         let (show, keep) = (Action::Favourite(digit), Action::KeepFavourite(digit));
         [
             command(format!("Favourite colours {digit}"), [key(PLAIN, number)], show),
-            command(format!("Keep these colours as {digit}"), shifted, keep),
+            command(
+                format!("Keep these colours as {digit}"),
+                [key(Modifiers::COMMAND, number), key(Modifiers::SHIFT, number)],
+                keep,
+            ),
         ]
     };
     DIGITS.zip(KEYS).flat_map(of_digit).collect()
@@ -228,12 +239,6 @@ pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
     };
     let colours = [
         command("Random palette", [], painted(|p| p.palette = any_palette())).also("colours die"),
-        command(
-            "Relief on or off",
-            [],
-            painted(|p| p.relief = if p.relief > 0.0 { 0.0 } else { 0.6 }),
-        )
-        .also("light shading landscape"),
         command("Smooth the grain on or off", [], painted(|p| p.denoise ^= true))
             .also("denoise noise velvet"),
         command("Spread the palette over this view", [], painted(|p| p.times.clear()))
@@ -248,33 +253,6 @@ pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
         command(format!("Palette: {name}"), [], Action::Picture(picture))
     });
     colours.into_iter().chain(panels).chain(places).chain(palettes).chain(favourites()).collect()
-}
-
-/// Takes the shortcuts of commands out of the input and returns their actions. While `typing`,
-/// takes only those that no text field needs.
-pub(crate) fn pressed(input: &mut egui::InputState, state: &AppState, typing: bool) -> Vec<Action> {
-    let mut actions = Vec::new();
-    let mut known: Vec<(KeyboardShortcut, Action)> = commands(state)
-        .into_iter()
-        .chain(favourites())
-        .flat_map(|c| c.keys.into_iter().map(move |key| (key, c.action.clone())))
-        .collect();
-    // egui matches a shortcut even with more modifiers held, so specific ones come first.
-    let held = |of: Modifiers| [of.alt, of.shift, of.command].into_iter().filter(|h| *h).count();
-    known.sort_by_key(|(key, _)| std::cmp::Reverse(held(key.modifiers)));
-    for (shortcut, action) in known {
-        let for_text = shortcut.modifiers == PLAIN && !is_function_key(shortcut.logical_key);
-        if typing && for_text && shortcut.logical_key != Key::Escape {
-            continue;
-        }
-        let count = input.count_and_consume_key(shortcut.modifiers, shortcut.logical_key);
-        actions.extend(std::iter::repeat_n(action, count));
-    }
-    actions
-}
-
-fn is_function_key(key: Key) -> bool {
-    (Key::F1..=Key::F12).contains(&key)
 }
 
 /// Returns the text of a shortcut, such as `Ctrl+K`.
@@ -317,30 +295,5 @@ mod tests {
         keys.sort_unstable();
         keys.dedup();
         assert_eq!((names.len(), keys.len()), (all_names, all_keys));
-    }
-
-    #[test]
-    fn keys_become_actions_unless_a_text_field_wants_them() {
-        let press = |modifiers, key, typing| {
-            let mut input = egui::InputState::default();
-            input.events.push(egui::Event::Key {
-                key,
-                physical_key: None,
-                pressed: true,
-                repeat: false,
-                modifiers,
-            });
-            pressed(&mut input, &state(), typing)
-        };
-        assert_eq!(press(PLAIN, Key::Num0, false), [Action::Look(Look::Home)]);
-        assert_eq!(press(PLAIN, Key::Num0, true), []);
-        assert_eq!(press(PLAIN, Key::Num3, false), [Action::Favourite(3)]);
-        assert_eq!(press(Modifiers::SHIFT, Key::Num3, false), [Action::KeepFavourite(3)]);
-        let shifted = press(Modifiers::SHIFT, Key::Exclamationmark, false);
-        assert_eq!(shifted, [Action::KeepFavourite(1)]);
-        assert_eq!(press(PLAIN, Key::F1, true), [Action::Toggle(Dialog::Help)]);
-        assert_eq!(press(Modifiers::ALT, Key::ArrowLeft, false), [Action::Look(Look::Back)]);
-        let left = Action::Look(Look::Step(DVec2::new(-STEP, -0.0)));
-        assert_eq!(press(PLAIN, Key::ArrowLeft, false), [left]);
     }
 }

@@ -50,6 +50,7 @@ impl AppModel {
                 self.follow(false);
             }
             Action::Picture(picture) => state.paint(picture),
+            Action::Light(point) => state.light_from(point),
             Action::ColourCycle(cycle) => state.shown.cycle = cycle,
             Action::Favourite(digit) => state.show_favourite(digit, &self.settings),
             Action::KeepFavourite(digit) => state.keep_favourite(digit, &mut self.settings),
@@ -78,6 +79,7 @@ impl AppModel {
             }
             Action::CopyLocation => return Some(Effect::Copy(state.copied_location())),
             Action::Find(angle) => state.find(angle),
+            Action::HoldNotices => state.notices.hold(),
             Action::Dismiss(id) => state.notices.dismiss(id),
             Action::UiScale(scale) => state.look.ui_scale = Settings::within_ui_scales(scale),
             Action::Theme(theme) => state.look.theme = theme,
@@ -102,8 +104,12 @@ impl AppModel {
         }
     }
 
-    /// Carries out a movement of the view. Through the history, the question may change with it.
+    /// Carries out a movement of the view. Through the history, the question or a favourite may
+    /// change with it.
     fn look(&mut self, look: Look) {
+        if look == Look::Back && self.state.bring_back_favourite(&mut self.settings) {
+            return;
+        }
         self.state.look(look);
         if matches!(look, Look::Back | Look::Forward) {
             self.follow(false);
@@ -141,6 +147,8 @@ impl AppModel {
 
     /// Pins the pixel at the first of these places of the lattice; the second is its neighbour's.
     pub(super) fn pin(&mut self, places: [[Exact; 2]; 2]) {
+        // If nothing is pinned, a second click has nothing to take back.
+        self.state.pins.clicked = None;
         let scene = self.state.scene();
         let Some(start) = PinStart::on_plane(&scene, self.state.camera.reach, places) else {
             self.state.notices.tell("No pendulum has the section's energy here.");

@@ -5,14 +5,16 @@ use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use egui::{Context, Ui, ViewportId};
 use egui_wgpu::winit::Painter;
 use egui_wgpu::{RendererOptions, SurfaceConfig, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+use winit::event::{ElementState, TouchPhase, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy, OwnedDisplayHandle};
 use winit::window::Window;
 
+use super::arrivals::{FrameTime, FrameTimes};
 use super::canvas::LAYERS;
 use super::canvas::pipeline::Canvas;
 use super::wake::Woken;
@@ -41,6 +43,7 @@ pub(crate) struct EguiHost {
     /// True if a screen reader is listening.
     screen_reader: bool,
     textures: egui::TexturesDelta,
+    times: FrameTimes,
     /// Largest side of a surface in pixels.
     max_px: u32,
 }
@@ -109,6 +112,7 @@ impl EguiHost {
             complaint: Arc::default(),
             screen_reader,
             textures: egui::TexturesDelta::default(),
+            times: FrameTimes::new(Instant::now()),
             max_px: 0,
         };
         host.prepare_device(proxy);
@@ -169,10 +173,18 @@ impl EguiHost {
         }
     }
 
-    /// Handles an event. Returns true if something may have to be redrawn.
-    pub(crate) fn on_event(&mut self, event: &winit::event::WindowEvent) -> bool {
-        if let winit::event::WindowEvent::Resized(size) = event {
-            self.resize(size.width, size.height);
+    /// Handles an event that came at `earliest` or later. Returns true if something may have to be
+    /// redrawn.
+    pub(crate) fn on_event(&mut self, event: &WindowEvent, earliest: Instant) -> bool {
+        match event {
+            WindowEvent::Resized(size) => self.resize(size.width, size.height),
+            WindowEvent::MouseInput { state, .. } => {
+                self.times.button(earliest, *state == ElementState::Released);
+            }
+            WindowEvent::Touch(touch) => {
+                self.times.button(earliest, touch.phase == TouchPhase::Ended);
+            }
+            _ => {}
         }
         self.input.on_window_event(&self.window, event).repaint
     }
@@ -251,7 +263,10 @@ impl EguiHost {
         if self.is_lost() {
             return Duration::ZERO;
         }
-        let raw = self.input.take_egui_input(&self.window);
+        let mut raw = self.input.take_egui_input(&self.window);
+        let FrameTime { secs, double_click_secs } = self.times.frame(Instant::now());
+        self.ctx.options_mut(|all| all.input_options.max_double_click_delay = double_click_secs);
+        raw.time = Some(secs);
         let output = self.ctx.run_ui(raw, show);
         self.input.handle_platform_output_with_event_loop(
             &self.window,

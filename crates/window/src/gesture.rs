@@ -15,14 +15,18 @@ pub(crate) struct Gesture {
     pub drag_began: Option<DVec2>,
     /// True if a drag ended.
     pub released: bool,
-    /// True if the canvas was clicked.
-    pub clicked: bool,
-    /// True for the second click of a double click.
+    /// Point of the last click on the canvas in this frame, if there was one.
+    pub clicked: Option<DVec2>,
+    /// Point of an earlier click in the same frame: a slow frame has several.
+    pub clicked_before: Option<DVec2>,
+    /// True if the last click is the second of a double click.
     pub double_clicked: bool,
     /// True if Shift is held.
     pub shift: bool,
     /// True if the drag turns the map: with Alt held, or with the secondary button.
     pub turning: bool,
+    /// True if the drag moves the light of the relief: with Ctrl held, while there is a relief.
+    pub lights: bool,
     /// True if the wheel stretches the map: with Alt held.
     pub stretching: bool,
     /// Notches that the wheel has turned, positive away from the user.
@@ -47,20 +51,38 @@ impl Gesture {
             actions.push(zoom(factor));
         }
         actions.extend(self.drag(drawing));
-        if self.double_clicked {
-            actions.extend([Action::Unpin, zoom(if self.shift { 0.5 } else { 2.0 })]);
-        } else if self.clicked {
-            actions.push(Action::Pin(about));
-        }
+        actions.extend(self.clicks());
         actions
     }
 
-    /// Returns the actions of a drag, which moves the map or, begun with Shift, draws a rectangle.
+    /// Returns the actions of clicks: each pins, but the second of a double click zooms, and takes
+    /// back the pin of the first if an earlier frame has set it.
+    fn clicks(&self) -> Vec<Action> {
+        let factor = if self.shift { 0.5 } else { 2.0 };
+        match (self.clicked, self.clicked_before) {
+            (Some(about), before) if self.double_clicked => {
+                let unpin = before.is_none().then_some(Action::Unpin);
+                unpin.into_iter().chain([Action::Look(Look::Zoom { factor, about })]).collect()
+            }
+            (last, before) => before.into_iter().chain(last).map(Action::Pin).collect(),
+        }
+    }
+
+    /// Returns the actions of a drag, which moves the map or its light or, begun with Shift, draws a
+    /// rectangle.
     fn drag(&self, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
         match (self.drag_began, drawing) {
             (_, Some([began, to])) if self.released => {
                 let corners = [began, self.pointer.unwrap_or(to)];
                 vec![Action::Drawing(None), Action::Look(Look::Box(corners))]
+            }
+            (began, None) if self.lights => {
+                let drags = began.is_some() || self.released;
+                let light = self.pointer.filter(|_| drags).map(Action::Light);
+                light
+                    .into_iter()
+                    .chain(self.released.then_some(Action::Look(Look::Release)))
+                    .collect()
             }
             (Some(_), None) if self.turning && self.dragged != DVec2::ZERO => {
                 let to = self.pointer.unwrap_or_default();
@@ -125,13 +147,41 @@ mod tests {
     }
 
     #[test]
+    fn the_light_comes_from_where_it_is_dragged() {
+        let drag = Gesture {
+            dragged: DVec2::new(3.0, -1.0),
+            drag_began: Some(DVec2::ZERO),
+            lights: true,
+            ..still()
+        };
+        assert_eq!(looks(drag, None), [Action::Light(HERE)], "and the map stays");
+        let released = Gesture { released: true, drag_began: None, ..drag };
+        assert_eq!(looks(released, None), [Action::Light(HERE), Action::Look(Look::Release)]);
+        assert_eq!(looks(Gesture { lights: true, ..still() }, None), [], "only while it drags");
+        let corners = [DVec2::ZERO, HERE];
+        assert_eq!(looks(drag, Some(corners)), [Action::Drawing(Some(corners))]);
+    }
+
+    #[test]
     fn a_click_pins_and_a_second_zooms_instead() {
-        assert_eq!(looks(Gesture { clicked: true, ..still() }, None), [Action::Pin(HERE)]);
-        let twice = Gesture { clicked: true, double_clicked: true, ..still() };
+        assert_eq!(looks(Gesture { clicked: Some(HERE), ..still() }, None), [Action::Pin(HERE)]);
+        let moved_on = Gesture { pointer: Some(DVec2::ZERO), clicked: Some(HERE), ..still() };
+        assert_eq!(looks(moved_on, None), [Action::Pin(HERE)], "where it was clicked");
+        let twice = Gesture { clicked: Some(HERE), double_clicked: true, ..still() };
         let zoom = |factor| Action::Look(Look::Zoom { factor, about: HERE });
         assert_eq!(looks(twice, None), [Action::Unpin, zoom(2.0)]);
         let out = Gesture { shift: true, ..twice };
         assert_eq!(looks(out, None), [Action::Unpin, zoom(0.5)]);
+    }
+
+    #[test]
+    fn two_clicks_in_one_frame_zoom_and_leave_older_pins_alone() {
+        let there = DVec2::new(-50.0, 4.0);
+        let twice = Gesture { clicked: Some(HERE), clicked_before: Some(HERE), ..still() };
+        let zoom = Action::Look(Look::Zoom { factor: 2.0, about: HERE });
+        assert_eq!(looks(Gesture { double_clicked: true, ..twice }, None), [zoom]);
+        let apart = Gesture { clicked_before: Some(there), ..twice };
+        assert_eq!(looks(apart, None), [Action::Pin(there), Action::Pin(HERE)]);
     }
 
     #[test]

@@ -52,8 +52,10 @@ impl AppModel {
             if !map.contains(at) {
                 continue;
             }
-            pendulum::miniature(&painter, at, &scene.build, angle);
-            overlay::label(&painter, at + vec2(0.0, 8.0), Align2::CENTER_TOP, line);
+            let below = at + vec2(0.0, 8.0);
+            let caption = overlay::placed(&painter, below, Align2::CENTER_TOP, line);
+            pendulum::miniature(&painter, (at, caption.rect), &scene.build, angle);
+            caption.draw(&painter);
         }
         let waits = self.greeting.swings.iter().filter_map(|swing| swing.next_secs(now_secs));
         if let Some(secs) = waits.min_by(f64::total_cmp) {

@@ -39,6 +39,11 @@ impl<T: Clone + PartialEq> History<T> {
         &self.visited[self.current]
     }
 
+    /// Returns the number of steps that lie behind.
+    pub(crate) fn step(&self) -> usize {
+        self.current
+    }
+
     /// Records what is shown now, which erases what is ahead; with `merges`, in place of what was
     /// shown.
     pub(crate) fn visit(&mut self, now: T, merges: bool) {

@@ -1,14 +1,17 @@
 //! The laboratory in the window: its figures in place of the map, or the map with an explanation.
 
+use std::time::Duration;
+
 use egui::{Align2, ScrollArea, Ui, vec2};
 
 use super::action::{Action, LabAction};
 use super::camera::Camera;
 use super::hover;
 use super::model::AppModel;
+use super::panels::meant;
 use super::reach::Reach;
 use super::settings::Settings;
-use flipmap_lab::flips::{Seen, explain};
+use flipmap_lab::flips::explain;
 use flipmap_lab::{Figure, FigureRequest, story};
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::State;
@@ -16,6 +19,8 @@ use flipmap_scene::{PendulumSpec, Plane, Scene};
 
 /// Width of the view that shows a start from the laboratory, as a fraction of the home view's.
 const PART: f64 = 1.0 / 16.0;
+/// Time between two frames of a figure that plays.
+const FRAME: Duration = Duration::from_millis(40);
 /// Scale of the interface before an audience, relative to the user's own.
 const PROJECTOR_SCALE: f32 = 1.6;
 
@@ -145,7 +150,7 @@ impl AppModel {
         ui.separator();
         let request = self.lab.show(ui);
         if self.lab.playing.is_moving() {
-            ui.ctx().request_repaint();
+            ui.ctx().request_repaint_after(FRAME);
         }
         actions.extend(request.and_then(action_for));
         actions
@@ -154,12 +159,7 @@ impl AppModel {
     /// Shows the explanation of the map over its upper left corner, and the story's card while the
     /// story is on.
     pub(super) fn explanation(&mut self, ctx: &egui::Context) -> Vec<Action> {
-        let counts = self.compute.explorer.counts();
-        let seen = Seen {
-            pixels: counts.pixels,
-            forbidden: counts.forbidden,
-            simulated: counts.simulated,
-        };
+        let seen = self.in_view.seen(&self.state.screen(), &mut self.compute.explorer);
         let mut actions = Vec::new();
         let window = egui::Window::new("What you are seeing").default_width(330.0);
         let most = (ctx.content_rect().height() - 140.0).max(100.0);
@@ -184,7 +184,7 @@ impl AppModel {
     /// Goes to a start on the map of pendulums released with its speeds, and pins it.
     pub(super) fn aimed_in_lab(&mut self, start: State<f64>) {
         self.state.shown.lab = false;
-        let [omega1, omega2] = start.speed.map(|speed| speed.to_string());
+        let [omega1, omega2] = start.speed.map(|speed| meant(speed).to_string());
         let origin = ["0".to_string(), "0".to_string(), omega1, omega2];
         let plane = Plane { origin, ..Plane::default() };
         if self.state.plane != plane {

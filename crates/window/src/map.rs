@@ -9,7 +9,7 @@ use super::captions::{place_words, words_of};
 use super::energy_curve;
 use super::gesture::Gesture;
 use super::hover::Answer;
-use super::overlay::{self, position};
+use super::overlay::{self, PlacedLabel, position};
 use super::pin_paths;
 use super::state::AppState;
 use flipmap_numbers::Exact;
@@ -40,7 +40,7 @@ pub(crate) fn map(
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     let name = spoken(state, hovered);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
-    let gesture = gesture(ui, rect, &response);
+    let gesture = Gesture { lights: is_lighting(ui, state), ..gesture(ui, rect, &response) };
     let painter = ui.painter_at(rect);
     painter.add(egui_wgpu::Callback::new_paint_callback(rect, frame));
     draw_layers(&painter, rect, state, curve);
@@ -58,9 +58,9 @@ pub(crate) fn map(
         }
     }
     if let (Some(pointer), Some(hovered), false) = (state.pointer, hovered, state.dragging) {
-        let words = words_of(&hovered, &state.scene(), state.screen().level());
-        draw_hovered(&painter, rect, pointer, &words);
+        caption(&painter, rect, state, (pointer, &hovered)).draw(&painter);
     }
+    leave_focus(&response);
     if response.has_focus() {
         let stroke = ui.visuals().selection.stroke;
         painter.rect_stroke(rect, CornerRadius::ZERO, stroke, StrokeKind::Inside);
@@ -88,21 +88,49 @@ fn gesture(ui: &Ui, rect: Rect, response: &egui::Response) -> Gesture {
     let dragged = response.dragged_by(Primary) || response.dragged_by(Secondary);
     let drag = dragged_points(ui, response, dragged);
     // Responses read the input themselves, which must not happen while it is locked below.
-    let (clicked, double_clicked) = (response.clicked(), response.double_clicked());
+    let (is_clicked, double_clicked) = (response.clicked(), response.double_clicked());
     let released = response.drag_stopped();
-    ui.input(|input| Gesture {
-        pointer: input.pointer.latest_pos().filter(|_| over).map(from_middle),
-        dragged: DVec2::new(f64::from(drag.x), f64::from(drag.y)),
-        drag_began: input.pointer.press_origin().filter(|_| dragged).map(from_middle),
-        released,
-        clicked,
-        double_clicked,
-        shift: input.modifiers.shift,
-        turning: by_secondary || input.modifiers.alt,
-        stretching: input.modifiers.alt,
-        notches: if over { notches(input) } else { 0.0 },
-        pinch: if over { pinch(input) } else { 1.0 },
+    ui.input(|input| {
+        let pointer = input.pointer.latest_pos().filter(|_| over).map(from_middle);
+        // A click by the keyboard has no place of its own.
+        let mut clicks = releases(input).map(from_middle).rev();
+        let clicked = is_clicked.then(|| clicks.next().or(pointer).unwrap_or_default());
+        Gesture {
+            pointer,
+            dragged: DVec2::new(f64::from(drag.x), f64::from(drag.y)),
+            drag_began: input.pointer.press_origin().filter(|_| dragged).map(from_middle),
+            released,
+            clicked,
+            clicked_before: clicks.next().filter(|_| is_clicked),
+            double_clicked,
+            shift: input.modifiers.shift,
+            turning: by_secondary || input.modifiers.alt,
+            lights: false,
+            stretching: input.modifiers.alt,
+            notches: if over { notches(input) } else { 0.0 },
+            pinch: if over { pinch(input) } else { 1.0 },
+        }
     })
+}
+
+/// Returns where the primary button was released in this frame, the newest last.
+fn releases(input: &egui::InputState) -> impl DoubleEndedIterator<Item = egui::Pos2> {
+    input.events.iter().filter_map(|event| match event {
+        egui::Event::PointerButton {
+            pos,
+            button: egui::PointerButton::Primary,
+            pressed: false,
+            ..
+        } => Some(*pos),
+        _ => None,
+    })
+}
+
+/// Returns true if a drag moves the light instead of the map: with Ctrl held, while the map has a
+/// relief.
+fn is_lighting(ui: &Ui, state: &AppState) -> bool {
+    let has_relief = state.picture.relief > 0.0 && state.picture.paints_times(state.question.ask);
+    has_relief && ui.input(|input| input.modifiers.command)
 }
 
 /// Returns how far the pointer has dragged since the last frame. The first frame of a drag covers
@@ -180,30 +208,46 @@ fn draw_layers(
     }
 }
 
-/// Draws a ring with a letter for every pin in view.
+/// Draws a ring with a letter for every pin in view, on every copy of the torus.
 fn draw_pins(painter: &egui::Painter, rect: Rect, state: &AppState) {
     let screen = state.screen();
+    let copies = pin_paths::copies(&screen);
     for pin in state.pins.iter() {
         let Some(place) = pin.start.place else { continue };
-        let point = screen.point_of(screen.camera.offset_of(place));
-        if !point.is_finite() || (point.abs() * 2.0).cmpgt(state.canvas).any() {
-            continue;
+        let offset = screen.camera.offset_of(place);
+        for point in copies.iter().map(|copy| screen.point_of(offset + *copy)) {
+            if !point.is_finite() || (point.abs() * 2.0).cmpgt(state.canvas).any() {
+                continue;
+            }
+            let at = position(rect, point);
+            painter.circle_stroke(at, 6.0, Stroke::new(4.0, Color32::BLACK));
+            painter.circle_stroke(at, 6.0, Stroke::new(2.0, pin.badge.colour()));
+            let name = pin.badge.letter().to_string();
+            overlay::label(painter, at + egui::vec2(9.0, -9.0), Align2::LEFT_BOTTOM, &name);
         }
-        let at = position(rect, point);
-        painter.circle_stroke(at, 6.0, Stroke::new(4.0, Color32::BLACK));
-        painter.circle_stroke(at, 6.0, Stroke::new(2.0, pin.badge.colour()));
-        let name = pin.badge.letter().to_string();
-        overlay::label(painter, at + egui::vec2(9.0, -9.0), Align2::LEFT_BOTTOM, &name);
     }
 }
 
-/// Draws the text beside the pointer, or above it if there is no room below.
-fn draw_hovered(painter: &egui::Painter, rect: Rect, pointer: DVec2, words: &str) {
+/// Returns the caption of a sample beside the pointer, or above it if there is no room below.
+pub(crate) fn caption(
+    painter: &egui::Painter,
+    rect: Rect,
+    state: &AppState,
+    (pointer, hovered): (DVec2, &Hovered),
+) -> PlacedLabel {
+    let words = words_of(hovered, &state.scene(), state.screen().level());
     let at = position(rect, pointer);
     if at.y > rect.bottom() - 60.0 {
-        overlay::label(painter, at + egui::vec2(14.0, -14.0), Align2::LEFT_BOTTOM, words);
+        overlay::placed(painter, at + egui::vec2(14.0, -14.0), Align2::LEFT_BOTTOM, &words)
     } else {
-        overlay::label(painter, at + egui::vec2(14.0, 14.0), Align2::LEFT_TOP, words);
+        overlay::placed(painter, at + egui::vec2(14.0, 14.0), Align2::LEFT_TOP, &words)
+    }
+}
+
+/// Takes the keyboard's focus off the map when it is pressed: the pointer shows where it is.
+fn leave_focus(response: &egui::Response) {
+    if response.is_pointer_button_down_on() || response.clicked_by(egui::PointerButton::Primary) {
+        response.surrender_focus();
     }
 }
 
@@ -215,4 +259,48 @@ fn spoken(state: &AppState, hovered: Option<Hovered>) -> String {
     let place = place_words(&scene, camera.reach.coordinates(camera.center), 4);
     let [across, _] = scene.plane.axes();
     format!("Map around {place}, {:.3e} {} wide. {here}", camera.width(), across.unit())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Event, Key, Modifiers, PointerButton, RawInput, pos2, vec2};
+
+    #[test]
+    fn the_keyboard_focuses_the_map_and_a_click_does_not() {
+        let ctx = egui::Context::default();
+        let frame = |events: Vec<Event>| {
+            let screen_rect = Some(Rect::from_min_size(pos2(0.0, 0.0), vec2(100.0, 100.0)));
+            let raw = RawInput { screen_rect, events, ..RawInput::default() };
+            let mut focused = false;
+            let _ = ctx.run_ui(raw, |ui| {
+                let response = ui.allocate_rect(ui.max_rect(), Sense::click_and_drag());
+                leave_focus(&response);
+                focused = response.has_focus();
+            });
+            focused
+        };
+        let tab = Event::Key {
+            key: Key::Tab,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        let pos = pos2(50.0, 50.0);
+        let button = |pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        frame(Vec::new());
+        frame(vec![tab]);
+        assert!(frame(Vec::new()), "by the Tab key");
+        frame(vec![Event::PointerMoved(pos), button(true), button(false)]);
+        assert!(!frame(Vec::new()), "a click takes it away");
+        frame(vec![button(true)]);
+        frame(vec![button(false)]);
+        assert!(!frame(Vec::new()));
+    }
 }

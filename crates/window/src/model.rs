@@ -10,7 +10,7 @@ use egui::Ui;
 
 use super::action::Action;
 use super::canvas::MapRenderer;
-use super::commands::{choices, commands, pressed};
+use super::commands::{choices, commands};
 use super::compute_service::{ComputeService, Wake};
 use super::descent::Drawn;
 use super::dialog::FileDialog;
@@ -19,6 +19,8 @@ use super::film::Films;
 use super::film_run::FilmCommand;
 use super::folders::Folders;
 use super::greeting::Greeting;
+use super::in_view::InView;
+use super::keys::pressed;
 use super::meter::Meter;
 use super::outlook::Estimates;
 use super::panels::export::ExportForm;
@@ -84,6 +86,7 @@ pub struct AppModel {
     pub(super) map_renderer: MapRenderer,
     pub(super) swing: HoverSwing,
     pub(super) greeting: Greeting,
+    pub(super) in_view: InView,
     pub(super) meter: Meter,
     pub(super) store: Store,
     /// Settings kept between runs.
@@ -158,6 +161,7 @@ impl AppModel {
             map_renderer: MapRenderer::default(),
             swing: HoverSwing::default(),
             greeting: Greeting::default(),
+            in_view: InView::default(),
             meter: Meter::default(),
             store,
             settings,

@@ -1,5 +1,5 @@
 //! The notices of the window: plain sentences. Failures stay until they are closed; other notices
-//! disappear after a while.
+//! disappear after a while, unless the pointer rests on them.
 
 /// A notice of one sentence.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +19,8 @@ pub struct Notice {
 pub struct Notices {
     list: Vec<Notice>,
     next_id: u64,
+    /// True if the pointer was on them in the last frame.
+    held: bool,
 }
 
 /// Largest number of notices shown at once.
@@ -52,10 +54,17 @@ impl Notices {
         self.list.retain(|notice| notice.id != id);
     }
 
-    /// Advances to a moment of the window's clock, in s, and removes notices whose time is over.
+    /// Keeps the notices for now, because the pointer is on them.
+    pub(crate) fn hold(&mut self) {
+        self.held = true;
+    }
+
+    /// Advances to a moment of the window's clock, in s, and removes notices whose time is over;
+    /// that of notices that are held begins again.
     pub(crate) fn advance(&mut self, now_secs: f64) {
+        let held = std::mem::take(&mut self.held);
         for notice in &mut self.list {
-            notice.shown_secs.get_or_insert(now_secs);
+            notice.shown_secs = notice.shown_secs.filter(|_| !held).or(Some(now_secs));
         }
         self.list.retain(|notice| notice.ends_secs().is_none_or(|ends| ends > now_secs));
     }
@@ -98,6 +107,22 @@ mod tests {
         let first = notices.iter().next().unwrap().id;
         notices.dismiss(first);
         assert_eq!(notices.iter().len(), 3);
+    }
+
+    #[test]
+    fn the_pointer_holds_them() {
+        let mut notices = Notices::default();
+        notices.tell("copied");
+        notices.advance(1.0);
+        for now_secs in [5.0, 9.5, 20.0] {
+            notices.hold();
+            notices.advance(now_secs);
+        }
+        assert_eq!((notices.iter().len(), notices.next_end_secs()), (1, Some(28.0)));
+        notices.advance(27.9);
+        assert_eq!(notices.iter().len(), 1);
+        notices.advance(28.0);
+        assert_eq!(notices.iter().len(), 0, "they leave once the pointer has left");
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! The overlays on the map: grid, axes, labels, borders of tiles, and the frame of an export.
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2};
+use std::sync::Arc;
+
+use egui::{Align2, Color32, FontId, Galley, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use glam::DVec2;
 
 use super::camera::Screen;
@@ -190,16 +192,61 @@ pub(crate) fn draw_grid(painter: &Painter, rect: Rect, screen: &Screen, axes: [A
     }
 }
 
-/// Draws text on the map, readable on every colour and moved as far as needed to show it whole.
-pub(crate) fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
+/// A text on the map, laid out and in its place.
+pub(crate) struct PlacedLabel {
+    /// Rectangle that it covers.
+    pub rect: Rect,
+    galley: Arc<Galley>,
+}
+
+impl PlacedLabel {
+    /// Draws the text, readable on every colour.
+    pub(crate) fn draw(self, painter: &Painter) {
+        painter.rect_filled(self.rect, 3.0, Color32::from_black_alpha(150));
+        painter.galley(self.rect.min + egui::vec2(2.0, 2.0), self.galley, Color32::WHITE);
+    }
+}
+
+/// Places text on the map, moved as far as needed to show it whole.
+pub(crate) fn placed(painter: &Painter, at: Pos2, align: Align2, text: &str) -> PlacedLabel {
     let galley = painter.layout_no_wrap(text.to_string(), FontId::monospace(11.0), Color32::WHITE);
     let rect = align.anchor_size(at, galley.size()).expand(2.0);
-    let within = painter.clip_rect();
+    PlacedLabel { rect: moved_inside(rect, painter.clip_rect()), galley }
+}
+
+/// Draws text on the map.
+pub(crate) fn label(painter: &Painter, at: Pos2, align: Align2, text: &str) {
+    placed(painter, at, align, text).draw(painter);
+}
+
+/// Returns a rectangle moved as little as brings it inside another, or at least its upper left
+/// corner.
+fn moved_inside(rect: Rect, within: Rect) -> Rect {
     let beyond = (rect.max - within.max).max(egui::Vec2::ZERO);
     let before = (within.min - (rect.min - beyond)).max(egui::Vec2::ZERO);
-    let rect = rect.translate(before - beyond);
-    painter.rect_filled(rect, 3.0, Color32::from_black_alpha(150));
-    painter.galley(rect.min + egui::vec2(2.0, 2.0), galley, Color32::WHITE);
+    rect.translate(before - beyond)
+}
+
+/// Returns the square of a disc beside the pointer, inside the map: above it if possible, and
+/// where it covers neither the pointer nor its caption.
+pub(crate) fn disc_beside(map: Rect, pointer: Pos2, caption: Rect, side: f32) -> Rect {
+    const GAP: f32 = 16.0;
+    let [left, right] = [pointer.x - GAP - side, pointer.x + GAP];
+    let above_both = caption.top().min(pointer.y) - GAP - side;
+    let below_both = caption.bottom().max(pointer.y) + GAP;
+    let corners = [
+        pos2(right, pointer.y - GAP - side),
+        pos2(left, pointer.y - GAP - side),
+        pos2(right, above_both),
+        pos2(right, below_both),
+        pos2(left, pointer.y + GAP),
+        pos2(caption.right() + GAP, pointer.y - side / 2.0),
+        pos2(caption.left() - GAP - side, pointer.y - side / 2.0),
+    ];
+    let square = |corner| Rect::from_min_size(corner, egui::Vec2::splat(side));
+    let squares = corners.map(|corner| moved_inside(square(corner), map));
+    let covers = |square: &Rect| square.intersects(caption) || square.contains(pointer);
+    squares.into_iter().find(|square| !covers(square)).unwrap_or(squares[0])
 }
 
 /// Draws the borders of the tiles in view.
@@ -260,6 +307,27 @@ mod tests {
         let wide = export_frame(map, [1920, 1080]);
         assert_eq!((wide.width(), wide.height(), wide.center()), (960.0, 540.0, map.center()));
         assert!(export_frame(map, [100, 400]).height() > map.height());
+    }
+
+    #[test]
+    fn a_disc_covers_neither_the_pointer_nor_its_caption_and_stays_on_the_map() {
+        let map = Rect::from_min_size(pos2(7.0, 40.0), egui::vec2(640.0, 400.0));
+        let places = |from: f32, to: f32| {
+            (0..=40u16).map(move |k| egui::lerp(from..=to, f32::from(k) / 40.0))
+        };
+        for (width, height) in [(60.0, 15.0), (310.0, 15.0), (380.0, 29.0)] {
+            for (x, y) in places(7.0, 647.0).flat_map(|x| places(40.0, 440.0).map(move |y| (x, y)))
+            {
+                let pointer = pos2(x, y);
+                let below = y <= map.bottom() - 60.0;
+                let at = pointer + egui::vec2(14.0, if below { 14.0 } else { -14.0 - height });
+                let caption = Rect::from_min_size(at, egui::vec2(width, height));
+                let caption = moved_inside(caption, map);
+                let disc = disc_beside(map, pointer, caption, 88.0);
+                assert!(map.contains_rect(disc) && map.contains_rect(caption), "{pointer}");
+                assert!(!disc.intersects(caption) && !disc.contains(pointer), "{pointer} {disc}");
+            }
+        }
     }
 
     #[test]

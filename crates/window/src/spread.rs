@@ -10,6 +10,9 @@ use flipmap_scene::palette::{ViewTimes, budget_range_secs};
 
 /// Time in s that passes between two changes of the colours while the view moves.
 const PAUSE_SECS: f64 = 0.1;
+/// Number of different times below which those of a view that is not complete are taken for
+/// samples of a much wider one: spread over them, the colours would jump to the palette's ends.
+const FEW_TIMES: usize = 64;
 /// Distance, in widths of the view, and logarithm of a zoom that do not change the colours.
 const NEAR: f64 = 0.02;
 
@@ -61,9 +64,12 @@ impl ColourSpread {
         let times = times(&state.screen(), explorer);
         let (unit_secs, budget_secs) = (state.build.unit_secs(), state.question.budget.secs);
         let budget_range_secs = budget_range_secs(unit_secs, budget_secs);
-        let mut spread = times.spread(ViewTimes::weight(camera.width_rad), budget_range_secs);
+        let weight = ViewTimes::weight(camera.width_rad);
+        let is_coarse = !complete && times.distinct() < FEW_TIMES;
+        let mut spread =
+            if is_coarse { Vec::new() } else { times.spread(weight, budget_range_secs) };
         if spread.is_empty() {
-            // Where nothing flips yet, the colours wait for times.
+            // Where nothing flips yet, or a few samples fill the view, the colours wait for times.
             spread.clone_from(&state.picture.times);
         }
         self.0 = Some(Spread {

@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::auto_budget::following;
 use super::camera::{Camera, Move, Screen};
 use super::colour_cycle::ColourCycle;
+use super::favourites::ReplacedFavourite;
 use super::flight::playback::Playback;
 use super::history::{History, Snapshot};
 use super::integration::Integration;
@@ -107,6 +108,8 @@ pub struct AppState {
     pub canvas: DVec2,
     /// Physical pixels per point.
     pub pixels_per_point: f64,
+    /// Favourites that were replaced, the newest last.
+    pub(super) replaced: Vec<ReplacedFavourite>,
     /// Position of the pointer on the canvas, if it is there.
     pub pointer: Option<DVec2>,
     /// Rectangle being drawn, if any.
@@ -148,6 +151,7 @@ impl AppState {
             given: document.picture.clone(),
             canvas,
             pixels_per_point: 1.0,
+            replaced: Vec::new(),
             pointer: None,
             drawing: None,
             layers: Layers { curve: document.picture.curve, ..Layers::default() },

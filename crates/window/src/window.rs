@@ -9,6 +9,7 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
+use super::arrivals::Arrivals;
 use super::egui_host::{EguiHost, HostError};
 use super::model::{AppModel, WindowOptions};
 use super::news_pace::NewsPace;
@@ -70,8 +71,8 @@ struct Runner {
     redraw_at: Option<Instant>,
     last_frame: Instant,
     pace: NewsPace,
-    /// Earliest moment at which the events of this turn of the loop may have arrived.
-    input_since: Instant,
+    /// When the events of this turn of the loop may have come.
+    arrivals: Arrivals,
     /// Moments of the recent losses of the device.
     losses: Vec<Instant>,
     /// True if the measurements were written since the last frame.
@@ -105,7 +106,7 @@ pub fn run(
         redraw_at: None,
         last_frame: now,
         pace: NewsPace::new(now),
-        input_since: now,
+        arrivals: Arrivals::new(now),
         losses: Vec::new(),
         told: true,
         failure: None,
@@ -176,7 +177,6 @@ impl Runner {
         if again < Duration::from_secs(3600) {
             self.draw_at(Instant::now() + again);
         }
-        self.input_since = began;
         for effect in effects {
             self.perform(event_loop, effect);
         }
@@ -311,9 +311,9 @@ impl ApplicationHandler<Woken> for Runner {
             }
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             event => {
-                let repaint = open.host.on_event(&event);
+                let repaint = open.host.on_event(&event, self.arrivals.earliest());
                 if is_input(&event) {
-                    self.stats.input(self.input_since);
+                    self.stats.input(self.arrivals.earliest());
                 }
                 if repaint {
                     let now = Instant::now();
@@ -360,18 +360,11 @@ impl ApplicationHandler<Woken> for Runner {
                 event_loop.set_control_flow(ControlFlow::Wait);
             }
         }
-        // An event that comes from now on ends the wait at once.
-        self.input_since = now;
+        self.arrivals.wait(now);
     }
 
-    fn new_events(&mut self, _: &ActiveEventLoop, cause: winit::event::StartCause) {
-        use winit::event::StartCause;
-        // After a wait, events have just come; without one they may have come during the frame.
-        if matches!(cause, StartCause::WaitCancelled { .. } | StartCause::ResumeTimeReached { .. })
-            && self.last_frame.elapsed() > 2 * FRAME
-        {
-            self.input_since = Instant::now();
-        }
+    fn new_events(&mut self, _: &ActiveEventLoop, _: winit::event::StartCause) {
+        self.arrivals.begin_turn(Instant::now());
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {

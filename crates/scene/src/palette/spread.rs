@@ -32,6 +32,11 @@ impl ViewTimes {
         ViewTimes(sorted)
     }
 
+    /// Returns the number of different times.
+    pub fn distinct(&self) -> usize {
+        self.0.chunk_by(|one, other| one == other).count()
+    }
+
     /// Returns the size of the small picture of a view whose times are used. It has the shape of
     /// the whole picture, so that colours do not depend on the picture's size.
     pub fn grid(size: [u32; 2]) -> [u32; 2] {
@@ -146,6 +151,12 @@ mod tests {
             own,
             "the same times have the same colours"
         );
+    }
+
+    #[test]
+    fn equal_times_count_once() {
+        assert_eq!(view(&[]).distinct(), 0);
+        assert_eq!(view(&[2.0, 1.0, 2.0, 2.0, 3.0]).distinct(), 3);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::state::Dialog;
 use flipmap_scene::question::QuestionName;
 
 /// Actions of the pointer and of groups of keys, for the list of keys.
-pub(crate) const POINTER: [(&str, &str); 11] = [
+pub(crate) const POINTER: [(&str, &str); 12] = [
     ("Drag", "Move the map"),
     ("Wheel, pinch, Ctrl+wheel", "Zoom about the pointer"),
     ("Click", "Pin the pixel and fly its pendulum"),
@@ -17,8 +17,9 @@ pub(crate) const POINTER: [(&str, &str); 11] = [
     ("Shift+drag", "Zoom to a rectangle"),
     ("Alt+drag, drag with the right button", "Turn the map"),
     ("Alt+wheel", "Stretch the map"),
+    ("Ctrl+drag", "Move the light of the relief"),
     ("Drop a picture or scene", "Show it"),
-    ("1 to 9", "Favourite colours; with Shift, save the current ones"),
+    ("1 to 9", "Favourite colours; with Ctrl, save the current ones"),
     ("Ctrl+V", "Go to a location that was copied"),
     ("Tab, Shift+Tab", "Go through all controls"),
 ];

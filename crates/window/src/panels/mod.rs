@@ -26,3 +26,5 @@ pub(crate) mod timeline;
 pub(crate) mod toolbar;
 pub(crate) mod view;
 pub(crate) mod window;
+
+pub(crate) use field::meant;

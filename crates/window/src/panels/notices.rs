@@ -12,7 +12,7 @@ use crate::notices::Notices;
 const BELOW_TOOLS: Vec2 = vec2(12.0, 46.0);
 
 /// Shows the notices over the upper left corner of the map, and asks for another frame when the
-/// next one disappears.
+/// next one disappears. The pointer holds them.
 pub(crate) fn notices(ctx: &egui::Context, notices: &Notices, now_secs: f64) -> Vec<Action> {
     let mut actions = Vec::new();
     if notices.iter().len() == 0 {
@@ -22,7 +22,8 @@ pub(crate) fn notices(ctx: &egui::Context, notices: &Notices, now_secs: f64) -> 
         let secs = (ends_secs - now_secs).max(0.0);
         ctx.request_repaint_after(Duration::from_secs_f64(secs));
     }
-    Area::new(egui::Id::unique("notices")).anchor(Align2::LEFT_TOP, BELOW_TOOLS).show(ctx, |ui| {
+    let area = Area::new(egui::Id::unique("notices")).anchor(Align2::LEFT_TOP, BELOW_TOOLS);
+    let shown = area.show(ctx, |ui| {
         for notice in notices.iter() {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(420.0);
@@ -43,5 +44,9 @@ pub(crate) fn notices(ctx: &egui::Context, notices: &Notices, now_secs: f64) -> 
             });
         }
     });
+    let on_them = |at| shown.response.rect.contains(at);
+    if ctx.pointer_latest_pos().is_some_and(on_them) {
+        actions.push(Action::HoldNotices);
+    }
     actions
 }

@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Grid, TextureId, Ui};
 
-use super::field::number;
+use super::field::{meant, number};
 use super::plane_diagram::plane_diagram;
 use super::question_tiles::question_tiles;
 use flipmap_numbers::Decimal;
@@ -163,7 +163,7 @@ fn plane(ui: &mut Ui, plane: &mut Plane) {
         let value = plane.origin[place].parse().unwrap_or(0.0);
         let name = format!("Fixed {}", axis.symbol());
         if let Some(value) = number(ui, &name, &format!(" {}", axis.unit()), value, -FAR..=FAR) {
-            plane.origin[place] = value.to_string();
+            plane.origin[place] = meant(value).to_string();
         }
         ui.end_row();
     }

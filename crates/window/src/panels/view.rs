@@ -2,6 +2,7 @@
 
 use egui::{Grid, Key, TextEdit, Ui};
 
+use super::field::plain;
 use super::sentence::sentence;
 use crate::action::{Action, Look};
 use crate::camera::Camera;
@@ -18,7 +19,7 @@ impl ViewForm {
     fn texts(&self, shown: &View) -> [String; 5] {
         self.typed.clone().unwrap_or_else(|| {
             let [x, y] = shown.center.clone();
-            [x, y, shown.width.clone(), shown.rotate.to_string(), shown.stretch.to_string()]
+            [x, y, shown.width.clone(), plain(shown.rotate), plain(shown.stretch)]
         })
     }
 }

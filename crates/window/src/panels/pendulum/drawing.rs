@@ -3,10 +3,11 @@
 
 use egui::epaint::TextShape;
 use egui::{
-    Align2, Color32, FontId, Painter, Pos2, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2,
 };
 
 use super::{CANVAS, FAINT, INK, TimeColour};
+use crate::overlay::disc_beside;
 use crate::pins::{Pin, Pins};
 use flipmap_lab::drawing::corner_inside;
 use flipmap_pendulum::State;
@@ -52,12 +53,16 @@ fn state_of(pin: &Pin) -> Option<State<f64>> {
 /// Radius of a miniature in points.
 const MINIATURE: f32 = 44.0;
 
-/// Draws a small pendulum on a disc beside a point, with its angles in rad from the downward
-/// vertical.
-pub(crate) fn miniature(painter: &Painter, beside: Pos2, build: &PendulumSpec, angle: [f64; 2]) {
-    let side = vec2(MINIATURE, MINIATURE);
-    let corner = beside + vec2(16.0, -16.0 - 2.0 * MINIATURE);
-    let middle = corner_inside(painter.clip_rect().shrink(4.0), 2.0 * side, corner) + side;
+/// Draws a small pendulum on a disc beside the pointer and its caption, with its angles in rad from
+/// the downward vertical.
+pub(crate) fn miniature(
+    painter: &Painter,
+    (pointer, caption): (Pos2, Rect),
+    build: &PendulumSpec,
+    angle: [f64; 2],
+) {
+    let map = painter.clip_rect().shrink(4.0);
+    let middle = disc_beside(map, pointer, caption, 2.0 * MINIATURE).center();
     painter.circle(middle, MINIATURE, CANVAS.gamma_multiply(0.9), Stroke::new(1.0, FAINT));
     let stage = PendulumCanvas::new(middle, MINIATURE, build);
     let state = State { angle, speed: [0.0; 2] };
