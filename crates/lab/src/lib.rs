@@ -35,6 +35,7 @@ mod single_simulation;
 pub mod still;
 pub mod story;
 mod twenty;
+pub mod typeface;
 
 use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};
