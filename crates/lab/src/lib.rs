@@ -29,6 +29,7 @@ pub mod home;
 mod integrators;
 mod labels;
 mod machine;
+pub mod number_text;
 mod playing;
 mod single;
 mod single_simulation;
