@@ -31,6 +31,7 @@ mod labels;
 mod machine;
 pub mod number_text;
 mod playing;
+mod sheet;
 mod single;
 mod single_simulation;
 pub mod still;
