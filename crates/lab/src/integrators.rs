@@ -9,6 +9,7 @@ use super::clock::Clock;
 use super::controls::{coloured_row, number_on, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, Tint, ends, wrapped};
+use super::number_text::{fixed, signed};
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::{euler, rk4, semi_implicit_euler};
@@ -210,8 +211,9 @@ impl Integrators {
         stage.bob(first, 1.0, colour);
         stage.bob(second, 1.0, colour);
         stage.note(
-            &run.diverged_at
-                .map_or(name.to_string(), |at| format!("{name}: diverged at t = {at:.2} s")),
+            &run.diverged_at.map_or(name.to_string(), |at| {
+                format!("{name}: diverged at t = {} s", fixed(at, 2))
+            }),
         );
     }
 
@@ -281,8 +283,8 @@ impl LiveFigure for Integrators {
     fn told(&self) -> String {
         let share = self.clock.share();
         let words = self.runs.iter().zip(Integrator::ALL).map(|(run, (_, name))| {
-            let [theta1, theta2] = run.drawn(share).map(wrapped);
-            format!("{name}: {theta1:.3}, {theta2:.3} rad")
+            let [theta1, theta2] = run.drawn(share).map(|angle| fixed(wrapped(angle), 3));
+            format!("{name}: {theta1}, {theta2} rad")
         });
         words.collect::<Vec<_>>().join("; ")
     }
@@ -319,7 +321,7 @@ impl LiveFigure for Integrators {
                 let error = run.errors.last().map_or(0.0, |last| last[1]);
                 let now = run
                     .diverged_at
-                    .map_or(format!("{error:+.1e}"), |at| format!("diverged at t = {at:.2} s"));
+                    .map_or(signed(error, 2), |at| format!("diverged at t = {} s", fixed(at, 2)));
                 coloured_row(
                     ui,
                     name,
