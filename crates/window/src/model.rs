@@ -33,6 +33,7 @@ use super::state::{AppState, Effect};
 use super::swing::HoverSwing;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::run_settings::RunSpec;
+use flipmap_lab::number_text::significant;
 use flipmap_lab::{Figure, Lab};
 use flipmap_render::tiles::explorer::ViewProgress;
 use flipmap_scene::{BuiltIn, Document, RunTable};
@@ -323,7 +324,8 @@ impl AppModel {
         let smooths = smooths.then(|| "smoothing edges".to_string());
         let doing = self.compute.following().or(diving).or(self.compute.comparing()).or(smooths);
         let flat = self.spread.flat_secs().map(|secs| {
-            format!("flat to {secs:.0e} s: nothing smaller here; D follows the nearest filament")
+            let secs = significant(secs, 1);
+            format!("flat to {secs} s: nothing smaller here; D follows the nearest filament")
         });
         let doing = doing.or(flat);
         let warning = self.estimates.forecast.warning();
