@@ -36,6 +36,7 @@ mod single;
 mod single_simulation;
 pub mod still;
 pub mod story;
+mod sweep;
 mod twenty;
 pub mod typeface;
 
@@ -251,10 +252,7 @@ impl Lab {
             let scroll = |name| ScrollArea::vertical().id_salt(name).max_height(high);
             ui.vertical(|ui| {
                 ui.set_width(stage.x);
-                scroll("figure").auto_shrink(false).show(ui, |ui| {
-                    ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
-                    self.live().map(|live| live.draw(ui, stage));
-                });
+                scroll("figure").auto_shrink(false).show(ui, |ui| self.draw(ui, stage));
             });
             let side =
                 |ui: &mut Ui| scroll("side").auto_shrink(false).show(ui, |ui| self.side(ui)).inner;
@@ -276,13 +274,18 @@ impl Lab {
                 self.sentence(ui);
             }
             let stage = vec2(ui.available_width(), high - ui.min_rect().height() - 8.0);
-            ui.scope(|ui| {
-                ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
-                self.live().map(|live| live.draw(ui, stage));
-            });
+            ui.scope(|ui| self.draw(ui, stage));
             self.side(ui)
         });
         shown.inner
+    }
+
+    /// Draws the figure in an area of `size` points.
+    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
+        ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
+        if let Some(live) = self.live() {
+            live.draw(ui, size);
+        }
     }
 
     /// Shows the story and the controls.
