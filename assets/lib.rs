@@ -1,4 +1,4 @@
-//! The built-in scenes, colour tables and pages of flipmap, as the texts of this folder.
+//! The built-in scenes, colour tables, pages and letters of flipmap, as the files of this folder.
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
 macro_rules! places {
@@ -35,6 +35,9 @@ palettes! {
 
 /// The page that shows a pyramid of tiles: a minijinja template.
 pub const PYRAMID_PAGE: &str = include_str!("pyramid/index.html");
+
+/// Greek letters and the signs of powers of ten from Fira Sans Light, made by `scripts/greek-face`.
+pub const GREEK_FACE: &[u8] = include_bytes!("faces/greek.ttf");
 
 #[cfg(test)]
 mod tests {

@@ -34,7 +34,7 @@ fn another_question_on_another_plane_is_shown_flown_and_left_again() {
     assert!(beside.angle[0].hi > start.angle[0].hi, "the ghost starts one pixel to the right");
     click(&mut desktop, "Numbers");
     desktop.run_steps(30);
-    let speeds = desktop.query_all_by_label_contains("ω2 -1.000000 rad/s");
+    let speeds = desktop.query_all_by_label_contains("ω2 −1.000000 rad/s");
     assert_eq!(speeds.count(), 1, "its speeds are told");
 
     press(&mut desktop, Modifiers::NONE, Key::D);

@@ -95,7 +95,10 @@ fn packages_hold_what_they_are_built_from_and_no_more() {
     assert!(!names.iter().any(|name| name.starts_with("docs/") && name.ends_with(".png")));
     for (package, wanted) in [
         ("flipmap-shaders", &["flip.wgsl"][..]),
-        ("flipmap-assets", &["palettes/LICENSE-crameri.txt", "scenes/home.toml"]),
+        (
+            "flipmap-assets",
+            &["palettes/LICENSE-crameri.txt", "faces/LICENSE-fira.txt", "scenes/home.toml"],
+        ),
         ("flipmap-numbers", &["src/lib.rs"]),
         ("flipmap-pendulum", &["src/lib.rs"]),
         ("flipmap-scene", &["src/lib.rs"]),
@@ -113,7 +116,7 @@ fn packages_hold_what_they_are_built_from_and_no_more() {
 }
 
 #[test]
-fn the_debian_package_carries_the_notices_of_the_colour_tables() {
+fn the_debian_package_carries_the_notices_of_colour_tables_and_letters() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let manifest: toml::Table =
         fs::read_to_string(root.join("Cargo.toml")).unwrap().parse().unwrap();
@@ -123,8 +126,10 @@ fn the_debian_package_carries_the_notices_of_the_colour_tables() {
         let asset = assets.iter().find(|asset| asset[0].as_str() == Some(from));
         asset.and_then(|asset| asset[1].as_str()).unwrap_or_default().to_string()
     };
-    assert_eq!(goes_to("assets/palettes/LICENSE-*"), "usr/share/doc/flipmap/");
-    assert!(root.join("assets/palettes/LICENSE-crameri.txt").exists());
+    for (folder, notice) in [("palettes", "LICENSE-crameri.txt"), ("faces", "LICENSE-fira.txt")] {
+        assert_eq!(goes_to(&format!("assets/{folder}/LICENSE-*")), "usr/share/doc/flipmap/");
+        assert!(root.join("assets").join(folder).join(notice).exists());
+    }
     let types = fs::read_to_string(root.join("assets/package/flipmap.xml")).unwrap();
     let desktop = fs::read_to_string(root.join("assets/package/flipmap.desktop")).unwrap();
     for (name, glob) in

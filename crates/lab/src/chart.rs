@@ -1,5 +1,6 @@
 //! Curves on axes that are linear, logarithmic, or logarithmic on both sides of zero.
 
+use std::f64::consts::{FRAC_PI_4, PI};
 use std::ops::RangeInclusive;
 
 use egui::{
@@ -7,13 +8,16 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use super::drawing::Tint;
+use super::drawing::{SMALL, Tint};
+use super::number_text::{of_pi, plain, power_of_ten};
 
 /// The mapping of values to places along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxisScale {
     /// Linear: equal differences are equal lengths.
     Linear,
+    /// Linear, marked at fractions of π.
+    Angle,
     /// Logarithmic: equal ratios are equal lengths.
     Log,
     /// Logarithmic on both sides of zero, and linear up to this distance from it.
@@ -58,9 +62,11 @@ pub struct Chart {
 }
 
 /// Space for the numbers and names to the left of the chart and below it, in points.
-const MARGIN: Vec2 = vec2(52.0, 32.0);
+const MARGIN: Vec2 = vec2(48.0, 32.0);
+/// Least width and height of a chart with its margins, in points.
+const LEAST: Vec2 = vec2(160.0, 136.0);
 /// Height of a row of the legend above the chart, in points.
-const HEAD: f32 = 18.0;
+const HEAD: f32 = 16.0;
 /// Largest number of points drawn for a curve; more could not be told apart.
 const MAX_POINTS: usize = 800;
 
@@ -84,16 +90,17 @@ impl ChartAxis {
 
     fn stretched(&self, value: f64) -> f64 {
         match self.scale {
-            AxisScale::Linear => value,
+            AxisScale::Linear | AxisScale::Angle => value,
             AxisScale::Log => value.max(f64::MIN_POSITIVE).log10(),
             AxisScale::SignedLog(least) => (1.0 + value.abs() / least).log10().copysign(value),
         }
     }
 
-    /// Returns the position of a value along the axis, clamped to [0, 1].
+    /// Returns the position of a value along the axis: 0 to 1 in its range, and at most one length
+    /// of the axis outside it.
     fn share(&self, value: f64) -> f32 {
         let [from, to] = [*self.range.start(), *self.range.end()].map(|end| self.stretched(end));
-        ((self.stretched(value) - from) / (to - from)).clamp(0.0, 1.0) as f32
+        ((self.stretched(value) - from) / (to - from)).clamp(-1.0, 2.0) as f32
     }
 
     /// Returns the values marked by gridlines, with their labels.
@@ -105,20 +112,29 @@ impl ChartAxis {
                 let step = round_step((to - from) / 5.0);
                 let first = (from / step).ceil() as i64;
                 let last = (to / step + 1e-9).floor() as i64;
-                (first..=last).map(|k| (k as f64 * step, plain(k as f64 * step))).collect()
+                (first..=last).map(|k| k as f64 * step).map(|x| (x, plain(x, 3))).collect()
+            }
+            AxisScale::Angle => {
+                let quarters = if to - from > 1.5 * PI { 2 } else { 1 };
+                let step = f64::from(quarters) * FRAC_PI_4;
+                let [first, last] = [(from / step).ceil(), (to / step).floor()];
+                let multiple = |k: i64| (k as f64 * step, of_pi(k * i64::from(quarters), 4));
+                (first as i64..=last as i64).map(multiple).collect()
             }
             AxisScale::Log => {
                 let [low, high] = [from, to].map(|end| end.log10());
                 let (low, high) = (low.ceil() as i32, high.floor() as i32);
                 let step = ((high - low).max(1) as usize).div_ceil(6);
-                (low..=high).step_by(step).map(|k| (decade(k), format!("1e{k}"))).collect()
+                (low..=high).step_by(step).map(|k| (decade(k), power_of_ten(k))).collect()
             }
             AxisScale::SignedLog(least) => {
                 let (low, high) = (least.log10().round() as i32, to.log10().floor() as i32);
                 let step = ((high - low).max(1) as usize).div_ceil(3);
                 let up = (low + 1..=high).rev().step_by(step);
-                let both = up
-                    .flat_map(|k| [(decade(k), format!("1e{k}")), (-decade(k), format!("−1e{k}"))]);
+                let both = up.flat_map(|k| {
+                    let power = power_of_ten(k);
+                    [(-decade(k), format!("−{power}")), (decade(k), power)]
+                });
                 [(0.0, "0".to_string())].into_iter().chain(both).collect()
             }
         }
@@ -132,22 +148,17 @@ fn round_step(least: f64) -> f64 {
     factor.unwrap_or(10.0) * power
 }
 
-/// Formats a number with at most three decimals, without trailing zeros.
-pub(crate) fn plain(value: f64) -> String {
-    let text = format!("{value:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
-}
-
 impl Chart {
-    /// Shows the chart and returns its response; `told` is its description for a screen reader.
+    /// Shows the chart in `size` points or its least size, and returns its response; `told` is its
+    /// description for a screen reader. A curve that leaves the range is cut off at the edge.
     pub fn show(&self, ui: &mut Ui, size: Vec2, told: &str) -> Response {
-        let (response, painter) = ui.allocate_painter(size, Sense::hover());
+        let (response, painter) = ui.allocate_painter(size.max(LEAST), Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, told));
         let tint = Tint::of(ui);
         let head = self.head(&painter, response.rect, &tint);
         let area = Rect::from_min_max(
             response.rect.min + vec2(MARGIN.x, head),
-            response.rect.max - vec2(10.0, MARGIN.y),
+            response.rect.max - vec2(8.0, MARGIN.y),
         );
         painter.rect_filled(area, 0.0, tint.ground);
         self.frame(&painter, area, &tint);
@@ -162,7 +173,7 @@ impl Chart {
             }
         }
         for mark in &self.marks {
-            inside.circle_filled(self.place(area, mark), 4.0, tint.ink);
+            painter.circle_filled(area.clamp(self.place(area, mark)), 4.0, tint.ink);
         }
         response
     }
@@ -193,10 +204,10 @@ impl Chart {
         for (value, words) in self.across.ticks() {
             let x = area.left() + self.across.share(value) * area.width();
             painter.vline(x, area.y_range(), grid);
-            let at = pos2(x, area.bottom() + 3.0);
+            let at = pos2(x, area.bottom() + 4.0);
             write_if_free(painter, at, Align2::CENTER_TOP, words, tint, &mut written);
         }
-        let below = pos2(area.right(), area.bottom() + 18.0);
+        let below = pos2(area.right(), area.bottom() + 16.0);
         let name = self.across.name.clone();
         write_if_free(painter, below, Align2::RIGHT_TOP, name, tint, &mut written);
     }
@@ -209,9 +220,9 @@ impl Chart {
         let named = self.curves.iter().filter(|curve| !curve.name.is_empty());
         let entries = named.map(|curve| (curve.name.as_str(), Some(curve.colour)));
         for (words, colour) in [(self.up.name.as_str(), None)].into_iter().chain(entries) {
-            let font = FontId::proportional(12.0);
+            let font = FontId::proportional(SMALL);
             let galley = painter.layout_no_wrap(words.to_string(), font, tint.ink);
-            let line = if colour.is_some() { 26.0 } else { 0.0 };
+            let line = if colour.is_some() { 24.0 } else { 0.0 };
             if at.x > from && at.x + line + galley.size().x > rect.right() {
                 at = pos2(from, at.y + HEAD);
             }
@@ -221,7 +232,7 @@ impl Chart {
             }
             let end = at.x + line + galley.size().x;
             painter.galley(at + vec2(line, 0.0), galley, tint.ink);
-            at.x = end + 18.0;
+            at.x = end + 16.0;
         }
         at.y + HEAD - rect.top()
     }
@@ -236,7 +247,7 @@ fn write_if_free(
     tint: &Tint,
     written: &mut Vec<Rect>,
 ) {
-    let galley = painter.layout_no_wrap(words, FontId::proportional(11.0), tint.ink);
+    let galley = painter.layout_no_wrap(words, FontId::proportional(SMALL), tint.ink);
     let place = align.anchor_size(at, galley.size());
     if written.iter().all(|other| !place.intersects(*other)) {
         painter.galley(place.min, galley, tint.ink);
@@ -251,13 +262,13 @@ mod tests {
     #[test]
     fn values_lie_where_their_scale_says() {
         let linear = ChartAxis::new("", 0.0..=10.0, AxisScale::Linear);
-        assert_eq!([0.0, 5.0, 20.0].map(|x| linear.share(x)), [0.0, 0.5, 1.0]);
+        assert_eq!([0.0, 5.0, 10.0, 15.0].map(|x| linear.share(x)), [0.0, 0.5, 1.0, 1.5]);
         let log = ChartAxis::new("", 1e-8..=1.0, AxisScale::Log);
-        assert!((log.share(1e-4) - 0.5).abs() < 1e-6 && log.share(0.0) == 0.0);
+        assert!((log.share(1e-4) - 0.5).abs() < 1e-6 && log.share(0.0) == -1.0);
         let signed = ChartAxis::new("", -1e2..=1e2, AxisScale::SignedLog(1e-6));
         assert_eq!(signed.share(0.0), 0.5);
         assert!((signed.share(1e-2) + signed.share(-1e-2) - 1.0).abs() < 1e-6);
-        assert!(signed.share(1e-2) > signed.share(1e-4) && signed.share(1e300) == 1.0);
+        assert!(signed.share(1e-2) > signed.share(1e-4) && signed.share(1e300) == 2.0);
     }
 
     #[test]
@@ -276,8 +287,10 @@ mod tests {
         assert_eq!(linear, ["0", "1", "2", "3"]);
         assert_eq!(
             words(ChartAxis::new("", 1e-3..=1.0, AxisScale::Log)),
-            ["1e-3", "1e-2", "1e-1", "1e0"]
+            ["10⁻³", "10⁻²", "10⁻¹", "1"]
         );
+        let angle = words(ChartAxis::new("", -3.2..=3.2, AxisScale::Angle));
+        assert_eq!(angle, ["−π", "−π/2", "0", "π/2", "π"]);
         let signed = ChartAxis::new("", -1e3..=1e3, AxisScale::SignedLog(1e-12)).ticks();
         assert!(signed.len() <= 9 && signed.iter().any(|(value, _)| *value < 0.0));
     }
@@ -293,6 +306,8 @@ mod tests {
         let area = Rect::from_min_size(Pos2::ZERO, vec2(100.0, 100.0));
         let points = [[0.0, 0.5], [0.5, f64::NAN], [f64::INFINITY, 0.0], [1.0, 2.0]];
         let places = chart.places(area, &points);
-        assert!(places.len() == 3 && places.iter().all(|at| area.contains(*at)), "{places:?}");
+        assert!(places.len() == 3, "{places:?}");
+        let near = area.expand2(area.size());
+        assert!(places.iter().all(|at| near.contains(*at)), "{places:?}");
     }
 }

@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use egui::{Color32, Grid, Slider, SliderClamping, Ui};
 
+use super::number_text::{brief, fixed};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::State;
 use flipmap_scene::{Kind, PendulumSpec};
@@ -36,7 +37,7 @@ pub(super) fn number_on(
         .suffix(unit)
         .logarithmic(logarithmic)
         .clamping(SliderClamping::Always)
-        .custom_formatter(|value, _| brief(value));
+        .custom_formatter(|value, _| typed(value));
     let hint = format!("{} to {}{unit}", brief(*range.start()), brief(*range.end()));
     let response = ui.add(slider).labelled_by(label.id).on_hover_text(&hint);
     if !value.is_finite() {
@@ -50,21 +51,15 @@ pub(super) fn number_on(
     response.changed() && *value != before
 }
 
-/// Formats a number with four significant digits, or as a power of ten with three.
-pub(super) fn brief(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_string();
+/// Formats a number for a field that is copied and typed over: as [`brief`] does, in ASCII.
+fn typed(value: f64) -> String {
+    let exponent = value.abs().log10().floor();
+    if value == 0.0 || (-3.0..5.0).contains(&exponent) {
+        return brief(value).replace('−', "-").replace('\u{2009}', "");
     }
-    let exponent = value.abs().log10().floor() as i32;
-    if !(-3..5).contains(&exponent) {
-        return format!("{value:.2e}");
-    }
-    let text = format!("{value:.*}", (3 - exponent).clamp(0, 6) as usize);
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_string()
-    } else {
-        text
-    }
+    let text = format!("{value:.3e}");
+    let (mantissa, power) = text.split_once('e').unwrap_or((&text, "0"));
+    format!("{}e{power}", mantissa.trim_end_matches('0').trim_end_matches('.'))
 }
 
 /// Shows a named value in a row of a grid.
@@ -112,7 +107,7 @@ pub(super) fn build(ui: &mut Ui, build: &mut PendulumSpec) -> bool {
 pub(super) fn thrown(ui: &mut Ui, start: &State<f64>) {
     let [omega1, omega2] = start.speed;
     if start.speed != [0.0; 2] {
-        row(ui, "thrown with", format!("{omega1:.3}, {omega2:.3} rad/s"));
+        row(ui, "thrown with", format!("{}, {} rad/s", fixed(omega1, 3), fixed(omega2, 3)));
     }
 }
 
@@ -121,10 +116,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_brief() {
-        let cases = [(0.0, "0"), (9.81, "9.81"), (1e-7, "1.00e-7"), (0.05, "0.05"), (30.0, "30")];
-        for (value, text) in cases {
-            assert_eq!(brief(value), text);
+    fn numbers_in_fields_can_be_pasted_and_typed() {
+        for (value, text) in [(0.0, "0"), (-9.81, "-9.81"), (1e-7, "1e-7"), (0.05, "0.05")] {
+            assert_eq!(typed(value), text);
+        }
+        for value in [1.5e-12, -2.345e9, 12_345.0, 0.001, 3e300] {
+            let read: f64 = typed(value).parse().unwrap();
+            assert!((read / value - 1.0).abs() < 1e-3, "{read} for {value}");
         }
     }
 }

@@ -5,6 +5,7 @@ use egui::{Grid, Ui};
 use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{FigureCanvas, end, ends, wrapped};
+use super::number_text::{column, fixed};
 use super::{FigureRequest, LiveFigure};
 use flipmap_pendulum::State;
 
@@ -60,11 +61,19 @@ impl LiveFigure for Double {
         stage.label(beside([0.0; 2], angle[0]), "θ1", three);
         stage.label(beside(first, angle[1]), "θ2", three);
         let [m1, m2] = self.0.build.masses_kg();
-        stage.label(first, &format!("m1 = {m1:.2} kg, the second pivot"), one);
-        stage.label(second, &format!("m2 = {m2:.2} kg"), two);
+        stage.label(first, &format!("m1 = {} kg, the second pivot", fixed(m1, 2)), one);
+        stage.label(second, &format!("m2 = {} kg", fixed(m2, 2)), two);
         let along = |from: [f64; 2], to: [f64; 2]| [0, 1].map(|i| 0.4 * from[i] + 0.6 * to[i]);
-        stage.label(along([0.0; 2], first), &format!("l1 = {:.2} m", lengths[0]), stage.tint.ink);
-        stage.label(along(first, second), &format!("l2 = {:.2} m", lengths[1]), stage.tint.ink);
+        stage.label(
+            along([0.0; 2], first),
+            &format!("l1 = {} m", fixed(lengths[0], 2)),
+            stage.tint.ink,
+        );
+        stage.label(
+            along(first, second),
+            &format!("l2 = {} m", fixed(lengths[1], 2)),
+            stage.tint.ink,
+        );
         stage.label([0.0; 2], "pivot", faint);
         self.0.drag(&stage, &response, Some(handles));
     }
@@ -76,10 +85,14 @@ impl LiveFigure for Double {
         ui.separator();
         Grid::new("double now").num_columns(2).show(ui, |ui| {
             let state = self.0.state;
-            row(ui, "time", format!("{:8.3} s", self.0.secs()));
+            row(ui, "time", format!("{} s", column(self.0.secs(), 3, 8)));
             for i in 0..2 {
-                row(ui, &format!("θ{}", i + 1), format!("{:8.4} rad", wrapped(state.angle[i])));
-                row(ui, &format!("ω{}", i + 1), format!("{:8.4} rad/s", state.speed[i]));
+                row(
+                    ui,
+                    &format!("θ{}", i + 1),
+                    format!("{} rad", column(wrapped(state.angle[i]), 4, 8)),
+                );
+                row(ui, &format!("ω{}", i + 1), format!("{} rad/s", column(state.speed[i], 4, 8)));
             }
         });
         ui.button("Show this start on the map")

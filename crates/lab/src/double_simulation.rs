@@ -4,6 +4,7 @@ use egui::Response;
 
 use super::clock::Clock;
 use super::drawing::{FigureCanvas, angle_of, ends, wrapped};
+use super::number_text::fixed;
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::rk4;
 use flipmap_pendulum::{Pendulum, State};
@@ -128,8 +129,8 @@ impl DoublePendulumSimulation {
 
     /// Describes both angles in words.
     pub(super) fn told(&self) -> String {
-        let [theta1, theta2] = self.now().angle.map(wrapped);
-        format!("θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad")
+        let [theta1, theta2] = self.now().angle.map(|angle| fixed(wrapped(angle), 3));
+        format!("θ1 is {theta1} rad, θ2 is {theta2} rad")
     }
 
     /// Draws the pendulum with its trail.

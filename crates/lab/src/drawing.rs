@@ -79,11 +79,17 @@ pub(crate) struct FigureCanvas {
     taken: Taken,
 }
 
+/// Size of labels and equations in points.
+pub(crate) const LETTER: f32 = 14.0;
+/// Size of notes and of the words of charts in points.
+pub(crate) const SMALL: f32 = 12.0;
+/// Least height of a canvas in points.
+const LEAST_HEIGHT: f32 = 200.0;
 /// Margin in points around the reach of a pendulum, for its bobs.
 const RIM: f32 = 28.0;
 
 impl FigureCanvas {
-    /// Creates a canvas of `size` points that shows `reach_m` metres around the pivot; `told` is
+    /// Creates a canvas of `size` points, or of the least height, that shows `reach_m` metres around the pivot; `told` is
     /// its description for a screen reader. The canvas senses clicks and drags.
     pub(crate) fn new(
         ui: &mut Ui,
@@ -106,6 +112,7 @@ impl FigureCanvas {
         told: String,
         sense: Sense,
     ) -> (FigureCanvas, Response) {
+        let size = vec2(size.x, size.y.max(LEAST_HEIGHT));
         let (response, painter) = ui.allocate_painter(size, sense);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
         let (rect, tint) = (response.rect, Tint::of(ui));
@@ -194,16 +201,16 @@ impl FigureCanvas {
     /// Writes words beside a place, to its right if that is free. Call it after drawing everything
     /// that the words should not cover.
     pub(crate) fn label(&self, at: [f64; 2], words: &str, colour: Color32) {
-        let font = FontId::proportional(14.0);
+        let font = FontId::proportional(LETTER);
         let galley = self.painter.layout_no_wrap(words.to_string(), font, colour);
-        let place = self.taken.beside(self.at(at), galley.size(), self.rect.shrink(6.0));
+        let place = self.taken.beside(self.at(at), galley.size(), self.rect.shrink(8.0));
         self.painter.galley(place.min, galley, colour);
     }
 
     /// Writes words in the upper left corner.
     pub(crate) fn note(&self, words: &str) {
-        let corner = self.rect.left_top() + vec2(8.0, 6.0);
-        let font = FontId::proportional(12.0);
+        let corner = self.rect.left_top() + vec2(8.0, 8.0);
+        let font = FontId::proportional(SMALL);
         let width = self.rect.width() - 16.0;
         let galley = self.painter.layout(words.to_string(), font, self.tint.faint, width);
         self.taken.words(Rect::from_min_size(corner, galley.size()));

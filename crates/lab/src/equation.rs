@@ -1,11 +1,10 @@
 //! The matrix equation M α = τ in symbols, and with the numbers of a moment in their place.
 
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Color32, FontId, Painter, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Color32, FontId};
 
-use super::controls::brief;
-use super::double_simulation::DoublePendulumSimulation;
-use super::drawing::{Tint, wrapped};
+use super::drawing::{LETTER, Tint, wrapped};
+use super::number_text::{brief, fixed};
 use flipmap_pendulum::State;
 use flipmap_pendulum::pendulum::Equation;
 use flipmap_scene::{Kind, PendulumSpec};
@@ -31,20 +30,14 @@ const RODS: Formulas = [
     "m2·l1·l2/2·sin Δ·ω1² − m2·g·l2/2·sin θ2",
 ];
 
-/// Height of the equation in points.
-pub(super) const HEIGHT: f32 = 132.0;
-/// Height of a line of text in points.
-const LINE: f32 = 18.0;
-/// Shares of the width: two columns of M, then α and τ.
-const COLUMNS: [f32; 4] = [0.19, 0.23, 0.13, 0.45];
-/// Largest font size in points.
-const LETTER: f32 = 14.0;
-
 /// The numbers that the symbols of a formula stand for.
-struct Moment {
-    build: PendulumSpec,
-    state: State<f64>,
-    acceleration: [f64; 2],
+pub(super) struct Moment {
+    /// The pendulum.
+    pub build: PendulumSpec,
+    /// Its angles and speeds.
+    pub state: State<f64>,
+    /// Its accelerations in rad/s².
+    pub acceleration: [f64; 2],
 }
 
 impl Moment {
@@ -84,19 +77,32 @@ fn pieces(formula: &str) -> Vec<(String, bool)> {
     pieces
 }
 
-/// Lays out a formula in the colours of its parts, with its symbols or with the numbers of a moment
-/// in their place.
-fn written(formula: &str, moment: Option<&Moment>, tint: &Tint, letter: f32) -> LayoutJob {
+/// What is written in the places of symbols.
+#[derive(Clone, Copy)]
+pub(super) enum Filling<'a> {
+    /// The symbols themselves.
+    Symbols,
+    /// The numbers of a moment.
+    Numbers(&'a Moment),
+    /// The widest numbers that are usual, so that columns keep their width while numbers change.
+    Widest(&'a Moment),
+}
+
+/// Lays out a formula in the colours of its parts.
+fn written(formula: &str, filling: Filling, tint: &Tint) -> LayoutJob {
     let mut job = LayoutJob::default();
-    let font = FontId::proportional(letter);
     for (piece, is_symbol) in pieces(formula) {
         let colour = if is_symbol { part_colour(&piece, tint) } else { tint.ink };
-        let text = match moment {
-            Some(moment) if is_symbol => number_words(&piece, moment.value(&piece)),
-            Some(_) => piece,
-            None => piece.replace('·', " "),
+        let text = match filling {
+            Filling::Symbols => piece.replace('·', " "),
+            Filling::Widest(_) if is_symbol && moves(&piece) => "(−00.00)".to_string(),
+            Filling::Widest(moment) | Filling::Numbers(moment) if is_symbol => {
+                number_words(&piece, moment.value(&piece))
+            }
+            _ => piece,
         };
-        job.append(&text, 0.0, TextFormat::simple(font.clone(), colour));
+        let format = TextFormat::simple(FontId::proportional(LETTER), colour);
+        job.append(&text, 0.0, format);
     }
     job
 }
@@ -111,116 +117,77 @@ fn part_colour(symbol: &str, tint: &Tint) -> Color32 {
     }
 }
 
-/// Formats a number that replaces a symbol; a number that changes in time has two decimals, so that
-/// the layout jumps little.
+/// Returns true if a symbol's number changes in time.
+fn moves(symbol: &str) -> bool {
+    symbol.starts_with(['θ', 'ω', 'α', 'Δ'])
+}
+
+/// Formats a number that replaces a symbol.
 fn number_words(symbol: &str, value: f64) -> String {
-    let moves = symbol.starts_with(['θ', 'ω', 'α', 'Δ']);
-    let text = if moves { format!("{value:.2}") } else { brief(value) };
-    if value < 0.0 { format!("({})", text.replace('-', "−")) } else { text }
+    let text = if moves(symbol) { fixed(value, 2) } else { brief(value) };
+    if text.starts_with('−') { format!("({text})") } else { text }
 }
 
 /// An entry of the equation, with its formula and its value.
-struct Term<'a> {
-    formula: &'a str,
+pub(super) struct Term {
+    formula: &'static str,
     value: f64,
 }
 
-/// Shows the equation of a simulation's current moment.
-pub(super) fn show(ui: &mut Ui, width: f32, simulation: &DoublePendulumSimulation) {
-    let (response, painter) = ui.allocate_painter(vec2(width, HEIGHT), Sense::hover());
-    let (build, state) = (simulation.build, simulation.now());
-    let pendulum = build.pendulum();
-    let Equation { mass, torque } = pendulum.equation(&state);
-    let moment = Moment { build, state, acceleration: pendulum.acceleration(&state) };
-    response.widget_info(|| {
-        let told = format!(
-            "M is {:.3}, {:.3}; {:.3}, {:.3}. Accelerations {:.3}, {:.3}. Torques {:.3}, {:.3}",
-            mass[0][0],
-            mass[0][1],
-            mass[1][0],
-            mass[1][1],
-            moment.acceleration[0],
-            moment.acceleration[1],
-            torque[0],
-            torque[1],
-        );
-        WidgetInfo::labeled(Role::Image, true, told)
-    });
-    let [m11, m12, m22, tau1, tau2] = formulas(build.kind);
+impl Term {
+    /// Returns the lines of the entry: symbols, numbers in their place, and the value. A sum takes a
+    /// line for each of its two parts if it is `broken`.
+    pub(super) fn lines(&self, filling: Filling, broken: bool, tint: &Tint) -> Vec<LayoutJob> {
+        let split = self.formula.find(" − ").filter(|_| broken);
+        let (first, second) = self.formula.split_at(split.unwrap_or(self.formula.len()));
+        let parts = [first, second.trim_start()];
+        let all = |filling| {
+            let parts = parts.into_iter().filter(|part| !part.is_empty());
+            parts.map(move |part| written(part, filling, tint))
+        };
+        let mut lines: Vec<LayoutJob> = all(Filling::Symbols).collect();
+        // The number in place of an acceleration's symbol is its value.
+        if !self.formula.starts_with('α') {
+            lines.extend(all(filling));
+        }
+        let value = match filling {
+            Filling::Widest(_) => "= −000.000".to_string(),
+            _ => format!("= {}", fixed(self.value, 3)),
+        };
+        let font = FontId::proportional(LETTER);
+        lines.push(LayoutJob::simple_singleline(value, font, tint.ink));
+        lines
+    }
+}
+
+/// Returns the entries of M, α and τ, row by row.
+pub(super) fn terms(
+    kind: Kind,
+    equation: &Equation<f64>,
+    acceleration: [f64; 2],
+) -> [[Term; 4]; 2] {
+    let Equation { mass, torque } = equation;
+    let [m11, m12, m22, tau1, tau2] = formulas(kind);
     let rows = [
-        [(m11, mass[0][0]), (m12, mass[0][1]), ("α1", moment.acceleration[0]), (tau1, torque[0])],
-        [(m12, mass[1][0]), (m22, mass[1][1]), ("α2", moment.acceleration[1]), (tau2, torque[1])],
+        [(m11, mass[0][0]), (m12, mass[0][1]), ("α1", acceleration[0]), (tau1, torque[0])],
+        [(m12, mass[1][0]), (m22, mass[1][1]), ("α2", acceleration[1]), (tau2, torque[1])],
     ];
-    let rows = rows.map(|row| row.map(|(formula, value)| Term { formula, value }));
-    draw(&painter, response.rect, &Tint::of(ui), &moment, &rows);
+    rows.map(|row| row.map(|(formula, value)| Term { formula, value }))
+}
+
+/// Describes the equation for a screen reader.
+pub(super) fn told(equation: &Equation<f64>, acceleration: [f64; 2]) -> String {
+    let Equation { mass: [[m11, m12], [m21, m22]], torque } = equation;
+    let [[m11, m12], [m21, m22]] = [[m11, m12], [m21, m22]].map(|row| row.map(|x| fixed(*x, 3)));
+    let [accelerations, torques] =
+        [acceleration, *torque].map(|pair| pair.map(|x| fixed(x, 3)).join(", "));
+    format!("M is {m11}, {m12}; {m21}, {m22}. Accelerations {accelerations}. Torques {torques}")
 }
 
 fn formulas(kind: Kind) -> Formulas {
     match kind {
         Kind::Points => POINTS,
         Kind::Rods => RODS,
-    }
-}
-
-fn draw(painter: &Painter, area: Rect, tint: &Tint, moment: &Moment, rows: &[[Term; 4]; 2]) {
-    let width = area.width() - 12.0;
-    let mut left = area.left() + 6.0;
-    for (column, share) in COLUMNS.into_iter().enumerate() {
-        // The columns of M share a pair of brackets, and the equals sign precedes τ.
-        let gap = if column == 1 { 2.0 } else { 18.0 };
-        let room = share * width - gap;
-        let middle = left + 0.5 * (share * width + gap);
-        for (row, cells) in rows.iter().enumerate() {
-            let top = area.top() + 4.0 + row as f32 * (3.0 * LINE + 6.0);
-            lines(painter, pos2(middle, top), room, tint, moment, &cells[column]);
-        }
-        let [from, to] = [middle - 0.5 * room, middle + 0.5 * room];
-        let ends = [(column != 1).then_some(from), (column != 0).then_some(to)];
-        bracket(painter, area, ends, tint);
-        if column == 3 {
-            let at = pos2(from - 10.0, area.center().y);
-            let font = FontId::proportional(LETTER + 2.0);
-            painter.text(at, egui::Align2::CENTER_CENTER, "=", font, tint.ink);
-        }
-        left += share * width;
-    }
-}
-
-/// Writes the lines of a cell, centred: symbols, numbers in their place, and the value.
-fn lines(painter: &Painter, top: Pos2, room: f32, tint: &Tint, moment: &Moment, cell: &Term) {
-    let layout = |letter: f32| {
-        let symbols = written(cell.formula, None, tint, letter);
-        let numbers = written(cell.formula, Some(moment), tint, letter);
-        let value = format!("= {:.3}", cell.value).replace('-', "−");
-        let value = LayoutJob::simple_singleline(value, FontId::proportional(letter), tint.ink);
-        // The number in place of an acceleration's symbol is already its value.
-        let jobs = if cell.formula.starts_with('α') {
-            vec![symbols, numbers]
-        } else {
-            vec![symbols, numbers, value]
-        };
-        jobs.into_iter().map(|job| painter.layout_job(job)).collect::<Vec<_>>()
-    };
-    let widest = layout(LETTER).iter().map(|line| line.size().x).fold(1.0, f32::max);
-    let letter = LETTER * ((room - 8.0) / widest).clamp(0.4, 1.0);
-    let galleys = layout(letter.floor().max(7.0));
-    let first = top.y + if galleys.len() == 2 { 0.5 * LINE } else { 0.0 };
-    for (k, galley) in galleys.into_iter().enumerate() {
-        let at = pos2(top.x - 0.5 * galley.size().x, first + k as f32 * LINE);
-        painter.galley(at, galley, tint.ink);
-    }
-}
-
-/// Draws the left or right bracket of a matrix, or both.
-fn bracket(painter: &Painter, area: Rect, [left, right]: [Option<f32>; 2], tint: &Tint) {
-    let stroke = Stroke::new(1.5, tint.ink);
-    for (x, hook) in [(left, 5.0), (right, -5.0)] {
-        let Some(x) = x else { continue };
-        let (top, bottom) = (area.top() + 2.0, area.bottom() - 8.0);
-        painter.line_segment([pos2(x, top), pos2(x, bottom)], stroke);
-        for y in [top, bottom] {
-            painter.line_segment([pos2(x, y), pos2(x + hook, y)], stroke);
-        }
     }
 }
 
@@ -310,9 +277,9 @@ mod tests {
     fn numbers_take_the_places_and_the_colours_of_symbols() {
         let state = State { angle: [0.5, 2.0], speed: [0.0, -1.0] };
         let moment = Moment { build: PendulumSpec::default(), state, acceleration: [0.0; 2] };
-        let text = |moment| written("m2·l1²·sin Δ·ω2", moment, &Tint::DARK, 14.0);
-        assert_eq!(text(None).text, "m2 l1² sin Δ ω2");
-        let numbers = text(Some(&moment));
+        let text = |filling| written("m2·l1²·sin Δ·ω2", filling, &Tint::DARK);
+        assert_eq!(text(Filling::Symbols).text, "m2 l1² sin Δ ω2");
+        let numbers = text(Filling::Numbers(&moment));
         assert_eq!(numbers.text, "1·1²·sin (−1.50)·(−1.00)");
         let colours: Vec<Color32> = numbers.sections.iter().map(|part| part.format.color).collect();
         let (first, second, ink) = (Tint::DARK.parts[0], Tint::DARK.parts[1], Tint::DARK.ink);

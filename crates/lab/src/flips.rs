@@ -4,9 +4,9 @@
 use egui::{Color32, Grid, Image, Sense, TextureHandle, Ui, vec2};
 
 use super::Figure;
-use super::chart::plain;
 use super::colour_words::colour_words;
-use super::controls::{brief, row};
+use super::controls::row;
+use super::number_text::{brief, count, plain};
 use flipmap_pendulum::{Pendulum, Rule};
 use flipmap_scene::palette::{AnswerColours, Rgb};
 use flipmap_scene::{Document, Kind, Plane, PlaneKind, QuestionSettings, Scene};
@@ -48,11 +48,11 @@ pub fn explain(ui: &mut Ui, document: &Document, seen: &Seen) -> Option<Kind> {
     }
     let forbids = has_forbidden(&scene);
     Grid::new("seen").num_columns(2).show(ui, |ui| {
-        let counted = |count: u64| {
-            let share = 100.0 * count as f64 / seen.pixels.max(1) as f64;
-            format!("{count} ({share:.1} %)")
+        let counted = |part: u64| {
+            let share = 100.0 * part as f64 / seen.pixels.max(1) as f64;
+            format!("{} ({share:.1} %)", count(part))
         };
-        row(ui, seen.name, seen.pixels.to_string());
+        row(ui, seen.name, count(seen.pixels));
         if forbids {
             row(ui, "forbidden", counted(seen.forbidden));
         }
@@ -133,7 +133,7 @@ fn meanings(ui: &mut Ui, scene: &Scene, colours: &AnswerColours) {
 /// Shows a square of a colour with the colour's name and its meaning.
 fn swatch(ui: &mut Ui, colour: Rgb, meaning: &str) {
     ui.horizontal(|ui| {
-        let (response, painter) = ui.allocate_painter(vec2(22.0, 14.0), Sense::hover());
+        let (response, painter) = ui.allocate_painter(vec2(24.0, 16.0), Sense::hover());
         let [r, g, b] = colour;
         painter.rect_filled(response.rect, 2.0, Color32::from_rgb(r, g, b));
         ui.label(format!("{}: {meaning}", colour_words(colour)));
@@ -177,7 +177,7 @@ fn bound_words(rule: Rule, pendulum: &Pendulum<f64>) -> String {
 /// for equal bobs, 3cos θ1 + cos θ2 > 2 for equal bars.
 fn curve_words(rule: Rule, pendulum: &Pendulum<f64>) -> String {
     let (ratio, bound) = ratios(rule, pendulum);
-    format!("forbidden: {} cos θ1 + cos θ2 > {}", plain(ratio), plain(bound))
+    format!("forbidden: {} cos θ1 + cos θ2 > {}", plain(ratio, 3), plain(bound, 3))
 }
 
 /// Returns P and the bound on the depth, both divided by Q.
@@ -227,6 +227,6 @@ mod tests {
         let words = |rule, kind| curve_words(rule, &pendulum(kind));
         assert_eq!(words(Rule::Second, Kind::Points), "forbidden: 2 cos θ1 + cos θ2 > 1");
         assert_eq!(words(Rule::Second, Kind::Rods), "forbidden: 3 cos θ1 + cos θ2 > 2");
-        assert_eq!(words(Rule::First, Kind::Points), "forbidden: 2 cos θ1 + cos θ2 > -1");
+        assert_eq!(words(Rule::First, Kind::Points), "forbidden: 2 cos θ1 + cos θ2 > −1");
     }
 }

@@ -5,6 +5,7 @@ use egui::{Grid, Ui, vec2};
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::{coloured_row, row};
 use super::drawing::{FigureCanvas, Tint, end};
+use super::number_text::{column, fixed};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use flipmap_pendulum::State;
@@ -27,10 +28,10 @@ impl Ghost {
         let ratio = |amplitude: f64| simple.period_secs(amplitude) / simple.small_period_secs();
         let at = |k: u32| f64::from(k) / 200.0 * MAX_AMPLITUDE;
         let known = (0..=200).map(|k| [at(k), ratio(at(k))]).collect();
-        let amplitude = self.0.amplitude.abs();
+        let (amplitude, longest) = (self.0.amplitude.abs(), ratio(MAX_AMPLITUDE));
         Chart {
-            across: ChartAxis::new("amplitude, rad", 0.0..=3.2, AxisScale::Linear),
-            up: ChartAxis::new("period / 2π√(r/g)", 0.8..=3.0, AxisScale::Linear),
+            across: ChartAxis::new("amplitude, rad", 0.0..=3.2, AxisScale::Angle),
+            up: ChartAxis::new("period / 2π√(r/g)", 0.8..=1.05 * longest, AxisScale::Linear),
             curves: vec![
                 Curve::line("exact", tint.parts[1], known),
                 Curve::guide("small angles", tint.faint, vec![[0.0, 1.0], [3.2, 1.0]]),
@@ -69,7 +70,8 @@ impl LiveFigure for Ghost {
 
     fn told(&self) -> String {
         let (secs, ghost) = (self.0.secs(), self.ghost_angle());
-        format!("After {secs:.2} s: θ is {:.3} rad, the ghost's {ghost:.3}", self.0.angle())
+        let [secs, ghost] = [fixed(secs, 2), fixed(ghost, 3)];
+        format!("After {secs} s: θ is {} rad, the ghost's {ghost}", fixed(self.0.angle(), 3))
     }
 
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
@@ -94,13 +96,14 @@ impl LiveFigure for Ghost {
         ui.separator();
         let (simple, tint) = (self.0.simple, Tint::of(ui));
         Grid::new("ghost now").num_columns(2).show(ui, |ui| {
-            row(ui, "time", format!("{:7.2} s", self.0.secs()));
+            row(ui, "time", format!("{} s", column(self.0.secs(), 2, 4)));
             let measured = self.0.crossings.period_secs();
-            let measured = measured.map_or("after two swings".to_string(), |t| format!("{t:.9} s"));
+            let measured =
+                measured.map_or("after two swings".to_string(), |t| format!("{} s", fixed(t, 9)));
             coloured_row(ui, "measured period", tint.parts[0], measured);
             let exact = simple.period_secs(self.0.amplitude);
-            coloured_row(ui, "exact, by the AGM", tint.parts[1], format!("{exact:.9} s"));
-            row(ui, "2π√(r/g)", format!("{:.9} s", simple.small_period_secs()));
+            coloured_row(ui, "exact, by the AGM", tint.parts[1], format!("{} s", fixed(exact, 9)));
+            row(ui, "2π√(r/g)", format!("{} s", fixed(simple.small_period_secs(), 9)));
         });
         None
     }
@@ -117,5 +120,21 @@ impl LiveFigure for Ghost {
             text.push_str(&format!("{amplitude},{exact},{small}\n"));
         }
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chart_has_room_for_every_period_that_it_shows() {
+        for amplitude in [0.1, MAX_AMPLITUDE] {
+            let chart = Ghost(SinglePendulumSimulation::from(amplitude)).chart(&Tint::DARK);
+            let points = chart.curves.iter().flat_map(|curve| &curve.points).chain(&chart.marks);
+            for [across, up] in points {
+                assert!(chart.across.range.contains(across) && chart.up.range.contains(up));
+            }
+        }
     }
 }

@@ -9,6 +9,8 @@ use super::clock::Clock;
 use super::controls::{coloured_row, number_on, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, Tint, ends, wrapped};
+use super::number_text::{fixed, signed};
+use super::sweep::Sweep;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::{euler, rk4, semi_implicit_euler};
@@ -59,7 +61,7 @@ impl Integrator {
     }
 
     /// Returns the state `secs` after a release at `start`, in equal steps of about `step_secs`.
-    fn run(
+    pub(crate) fn run(
         self,
         pendulum: &Pendulum<f64>,
         start: State<f64>,
@@ -75,57 +77,8 @@ impl Integrator {
     }
 }
 
-/// The errors of the three integrators as a function of the step.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Sweep {
-    /// Steps in seconds.
-    pub steps_secs: Vec<f64>,
-    /// For each integrator, distances in rad of the final angles from those found with a far
-    /// smaller step.
-    pub errors: [Vec<f64>; 3],
-}
-
-/// Simulated time in seconds after which a sweep compares the final angles.
-const SWEEP_SECS: f64 = 1.0;
 /// Speed in rad/s beyond which a run has diverged: no pendulum is that fast.
 const DIVERGED_SPEED: f64 = 1e6;
-
-impl Sweep {
-    /// Computes the sweep of a pendulum released at `start`.
-    pub(crate) fn of(pendulum: &Pendulum<f64>, start: State<f64>) -> Self {
-        let truth = Integrator::Rk4.run(pendulum, start, SWEEP_SECS, 1.0 / 65536.0);
-        let steps_secs: Vec<f64> = (6..=11).map(|k| 0.5f64.powi(k)).collect();
-        let errors = Integrator::ALL.map(|(method, _)| {
-            let error = |&step: &f64| {
-                let state = method.run(pendulum, start, SWEEP_SECS, step);
-                let apart = |i: usize| state.angle[i] - truth.angle[i];
-                apart(0).hypot(apart(1))
-            };
-            steps_secs.iter().map(error).collect()
-        });
-        Sweep { steps_secs, errors }
-    }
-
-    /// Returns the order of an integrator: the slope of log error against log step.
-    pub(crate) fn order(&self, method: usize) -> f64 {
-        let (errors, steps) = (&self.errors[method], &self.steps_secs);
-        let last = steps.len() - 1;
-        (errors[0] / errors[last]).ln() / (steps[0] / steps[last]).ln()
-    }
-
-    fn chart(&self, tint: &Tint) -> Chart {
-        let curves = Integrator::ALL.iter().zip(&self.errors).map(|((method, _), errors)| {
-            let points = self.steps_secs.iter().zip(errors).map(|(&x, &y)| [x, y]).collect();
-            Curve::line("", method.colour(tint), points)
-        });
-        Chart {
-            across: ChartAxis::new("Δt, s", 3e-4..=2e-2, AxisScale::Log),
-            up: ChartAxis::new("error after 1 s, rad", 1e-14..=1.0, AxisScale::Log),
-            curves: curves.collect(),
-            marks: Vec::new(),
-        }
-    }
-}
 
 /// The run of one integrator.
 #[derive(Clone, Debug)]
@@ -210,8 +163,9 @@ impl Integrators {
         stage.bob(first, 1.0, colour);
         stage.bob(second, 1.0, colour);
         stage.note(
-            &run.diverged_at
-                .map_or(name.to_string(), |at| format!("{name}: diverged at t = {at:.2} s")),
+            &run.diverged_at.map_or(name.to_string(), |at| {
+                format!("{name}: diverged at t = {} s", fixed(at, 2))
+            }),
         );
     }
 
@@ -281,8 +235,8 @@ impl LiveFigure for Integrators {
     fn told(&self) -> String {
         let share = self.clock.share();
         let words = self.runs.iter().zip(Integrator::ALL).map(|(run, (_, name))| {
-            let [theta1, theta2] = run.drawn(share).map(wrapped);
-            format!("{name}: {theta1:.3}, {theta2:.3} rad")
+            let [theta1, theta2] = run.drawn(share).map(|angle| fixed(wrapped(angle), 3));
+            format!("{name}: {theta1}, {theta2} rad")
         });
         words.collect::<Vec<_>>().join("; ")
     }
@@ -319,7 +273,7 @@ impl LiveFigure for Integrators {
                 let error = run.errors.last().map_or(0.0, |last| last[1]);
                 let now = run
                     .diverged_at
-                    .map_or(format!("{error:+.1e}"), |at| format!("diverged at t = {at:.2} s"));
+                    .map_or(signed(error, 2), |at| format!("diverged at t = {} s", fixed(at, 2)));
                 coloured_row(
                     ui,
                     name,
@@ -360,18 +314,6 @@ impl LiveFigure for Integrators {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn errors_fall_with_the_order_of_the_method() {
-        let sweep = Integrators::default().sweep;
-        for (method, order) in [(0, 1.0), (1, 1.0), (2, 4.0)] {
-            assert!(
-                (sweep.order(method) - order).abs() < 0.15,
-                "{method}: {}",
-                sweep.order(method)
-            );
-        }
-    }
 
     #[test]
     fn explicit_euler_grows_as_it_is_known_to() {

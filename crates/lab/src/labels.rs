@@ -20,7 +20,7 @@ enum Layer {
 }
 
 /// Distances of a label from its place in points, in ascending order.
-const GAPS: [f32; 6] = [12.0, 22.0, 36.0, 54.0, 76.0, 102.0];
+const GAPS: [f32; 6] = [12.0, 24.0, 36.0, 56.0, 76.0, 100.0];
 /// Directions from a place to its label: right, left, below, above, then the corners.
 const SIDES: [Vec2; 8] = [
     vec2(1.0, 0.0),

@@ -29,12 +29,16 @@ pub mod home;
 mod integrators;
 mod labels;
 mod machine;
+pub mod number_text;
 mod playing;
+mod sheet;
 mod single;
 mod single_simulation;
 pub mod still;
 pub mod story;
+mod sweep;
 mod twenty;
+pub mod typeface;
 
 use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};
@@ -157,11 +161,19 @@ pub struct Lab {
 }
 
 /// Range of the width of the controls in points.
-const CONTROLS_WIDTH: std::ops::RangeInclusive<f32> = 290.0..=410.0;
+const CONTROLS_WIDTH: std::ops::RangeInclusive<f32> = 288.0..=408.0;
 /// Width in points that a row needs beside its slider, for the name and the number.
 const BESIDE_SLIDER: f32 = 176.0;
+/// Range of the width of a slider in points.
+const SLIDER_WIDTH: std::ops::RangeInclusive<f32> = 80.0..=240.0;
 /// Height of the playback controls in points.
-const BAR_HEIGHT: f32 = 30.0;
+const BAR_HEIGHT: f32 = 32.0;
+/// Space between a figure and its controls in points.
+const GAP: f32 = 16.0;
+/// Width in points from which on the controls have room beside the figure rather than below it.
+const WIDE: f32 = 760.0;
+/// Least height of a figure with its controls in points.
+const LEAST_HEIGHT: f32 = 120.0;
 
 impl Lab {
     /// Creates every figure in its initial state, and shows one.
@@ -203,35 +215,77 @@ impl Lab {
         self.figure = figure;
     }
 
-    /// Shows the figure with its sentence above, its controls beside it and the playback controls
-    /// below.
+    /// Shows the figure with its sentence above and the playback controls below. Its controls are
+    /// beside it or, where that leaves too little room, below it; what is too high can be scrolled.
     pub fn show(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
+        let is_wide = ui.available_width() >= WIDE;
+        let has_side = self.story || !self.projector;
         ui.heading(self.figure.title());
-        if !self.projector {
-            ui.label(self.figure.sentence());
+        if is_wide {
+            self.sentence(ui);
         }
         self.live()?;
-        let size = ui.available_size();
-        let has_side = self.story || !self.projector;
-        let beside = (0.32 * size.x).clamp(*CONTROLS_WIDTH.start(), *CONTROLS_WIDTH.end());
-        let beside = if has_side { beside + 16.0 } else { 0.0 };
-        let stage = vec2((size.x - beside).max(200.0), (size.y - BAR_HEIGHT - 8.0).max(160.0));
-        let mut asked = None;
-        ui.horizontal_top(|ui| {
-            ui.vertical(|ui| {
-                ui.set_width(stage.x);
-                self.live()?.draw(ui, stage);
-                Some(())
-            });
-            if has_side {
-                let scroll = ScrollArea::vertical().max_height(stage.y).auto_shrink(false);
-                ui.vertical(|ui| scroll.show(ui, |ui| asked = self.side(ui)));
-            }
-        });
+        let high = (ui.available_height() - BAR_HEIGHT - 8.0).max(LEAST_HEIGHT);
+        let asked = match is_wide && has_side {
+            true => self.show_in_columns(ui, high),
+            false => self.show_in_one_column(ui, high, !is_wide),
+        };
         if let Some(live) = self.live[self.figure as usize].as_deref_mut() {
             self.playing.bar(ui, live, self.projector);
         }
         asked
+    }
+
+    fn sentence(&self, ui: &mut Ui) {
+        if !self.projector {
+            ui.label(self.figure.sentence());
+        }
+    }
+
+    /// Shows the figure with its controls beside it, each `high` points high.
+    fn show_in_columns(&mut self, ui: &mut Ui, high: f32) -> Option<FigureRequest> {
+        let width = ui.available_width();
+        let controls = (0.32 * width).clamp(*CONTROLS_WIDTH.start(), *CONTROLS_WIDTH.end());
+        let stage = vec2(width - controls - GAP, high);
+        ui.horizontal_top(|ui| {
+            ui.spacing_mut().item_spacing.x = GAP;
+            let scroll = |name| ScrollArea::vertical().id_salt(name).max_height(high);
+            ui.vertical(|ui| {
+                ui.set_width(stage.x);
+                scroll("figure").auto_shrink(false).show(ui, |ui| self.draw(ui, stage));
+            });
+            let side =
+                |ui: &mut Ui| scroll("side").auto_shrink(false).show(ui, |ui| self.side(ui)).inner;
+            ui.vertical(side).inner
+        })
+        .inner
+    }
+
+    /// Shows the figure with its controls below it, all of which scroll in `high` points.
+    fn show_in_one_column(
+        &mut self,
+        ui: &mut Ui,
+        high: f32,
+        has_sentence: bool,
+    ) -> Option<FigureRequest> {
+        let scroll = ScrollArea::vertical().id_salt("all").max_height(high).auto_shrink(false);
+        let shown = scroll.show(ui, |ui| {
+            if has_sentence {
+                self.sentence(ui);
+            }
+            let stage = vec2(ui.available_width(), high - ui.min_rect().height() - 8.0);
+            ui.scope(|ui| self.draw(ui, stage));
+            self.side(ui)
+        });
+        shown.inner
+    }
+
+    /// Draws the figure in an area of `size` points.
+    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
+        ui.spacing_mut().item_spacing = vec2(8.0, 8.0);
+        if let Some(live) = self.live() {
+            live.draw(ui, size);
+        }
     }
 
     /// Shows the story and the controls.
@@ -243,7 +297,8 @@ impl Lab {
         if self.projector {
             return told;
         }
-        ui.spacing_mut().slider_width = (ui.available_width() - BESIDE_SLIDER).max(80.0);
+        let room = ui.available_width() - BESIDE_SLIDER;
+        ui.spacing_mut().slider_width = room.clamp(*SLIDER_WIDTH.start(), *SLIDER_WIDTH.end());
         let asked = self.live()?.controls(ui);
         told.or(asked)
     }
@@ -261,6 +316,68 @@ mod tests {
         }
         assert_eq!(Figure::named("triple"), None);
         assert!(Figure::names().starts_with("single, ghost"));
+    }
+
+    /// Returns the texts that a figure shows in a window of a size, with their areas and the parts of
+    /// these that can be seen.
+    fn texts(lab: &mut Lab, size: egui::Vec2) -> Vec<(String, egui::Rect, egui::Rect)> {
+        let ctx = egui::Context::default();
+        typeface::install(&ctx);
+        let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+        let mut shapes = Vec::new();
+        for _ in 0..3 {
+            let input = egui::RawInput { screen_rect: Some(screen), ..egui::RawInput::default() };
+            let shown = ctx.run_ui(input, |ui| {
+                egui::CentralPanel::default().show(ui, |ui| lab.show(ui));
+            });
+            shapes = shown.shapes;
+        }
+        let text = |clipped: &egui::epaint::ClippedShape| match &clipped.shape {
+            egui::Shape::Text(text) => {
+                let area = text.galley.rect.translate(text.pos.to_vec2());
+                let seen = area.intersect(clipped.clip_rect).shrink(1.0);
+                Some((text.galley.text().to_string(), area, seen))
+            }
+            _ => None,
+        };
+        shapes.iter().filter_map(text).collect()
+    }
+
+    #[test]
+    fn in_a_small_window_nothing_covers_another_or_leaves_at_the_side() {
+        for figure in Figure::all().filter(|figure| *figure != Figure::Map) {
+            for size in [[640.0, 360.0], [640.0, 480.0], [1280.0, 360.0], [1280.0, 800.0]] {
+                let mut lab = Lab::new(figure);
+                (0..80).for_each(|_| lab.advance(0.05));
+                let texts = texts(&mut lab, size.into());
+                assert!(texts.len() > 8, "{figure:?}");
+                for (k, (words, area, seen)) in texts.iter().enumerate() {
+                    let place = format!("{figure:?} at {size:?}: '{words}' at {area:?}");
+                    assert!(area.left() >= 0.0 && area.right() <= size[0], "{place}");
+                    let covers = |other: &egui::Rect| seen.intersect(*other).is_positive();
+                    let covered = texts[..k].iter().find(|(_, _, other)| covers(other));
+                    assert!(covered.is_none(), "{place} covers {covered:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_are_written_as_people_read_them() {
+        for figure in Figure::all().filter(|figure| *figure != Figure::Map) {
+            let mut lab = Lab::new(figure);
+            (0..160).for_each(|_| lab.advance(0.05));
+            for (words, ..) in texts(&mut lab, vec2(1280.0, 1600.0)) {
+                let letters: Vec<char> = words.chars().collect();
+                let is_ascii =
+                    letters.windows(2).any(|pair| pair[0] == '-' && pair[1].is_ascii_digit());
+                // Fields can be pasted.
+                assert!(
+                    !is_ascii || words.trim_end_matches(" rad") == "1e-7",
+                    "{figure:?}: {words}"
+                );
+            }
+        }
     }
 
     #[test]

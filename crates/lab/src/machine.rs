@@ -5,7 +5,9 @@ use egui::{Grid, ProgressBar, Ui, vec2};
 use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::FigureCanvas;
-use super::{FigureRequest, LiveFigure, equation};
+use super::number_text::{fixed, signed};
+use super::sheet::Sheet;
+use super::{FigureRequest, LiveFigure};
 use flipmap_pendulum::State;
 
 /// A live figure of the double pendulum with its equation and energy.
@@ -40,7 +42,8 @@ impl LiveFigure for MachineFigure {
     }
 
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let upper = vec2(size.x, (size.y - equation::HEIGHT - 8.0).max(120.0));
+        let sheet = Sheet::new(ui, size.x, &self.0);
+        let upper = vec2(size.x, size.y - sheet.size.y - 16.0);
         let reach = self.0.build.lengths_m().iter().sum::<f64>();
         let (stage, response) = FigureCanvas::new(ui, upper, reach, self.told());
         self.0.draw(&stage);
@@ -49,7 +52,8 @@ impl LiveFigure for MachineFigure {
              rest.",
         );
         self.0.drag(&stage, &response, None);
-        equation::show(ui, size.x, &self.0);
+        ui.add_space(8.0);
+        sheet.show(ui, size.x);
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
@@ -83,9 +87,9 @@ fn determinant(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     let [[a, c], [_, b]] = pendulum.equation(&simulation.state).mass;
     Grid::new("determinant").num_columns(2).show(ui, |ui| {
         let least = pendulum.least_det;
-        row(ui, "det M", format!("{:.4} kg² m⁴", a * b - c * c));
-        row(ui, "never below", format!("{least:.4} kg² m⁴"));
-        row(ui, "time", format!("{:.3} s", simulation.secs()));
+        row(ui, "det M", format!("{} kg² m⁴", fixed(a * b - c * c, 4)));
+        row(ui, "never below", format!("{} kg² m⁴", fixed(least, 4)));
+        row(ui, "time", format!("{} s", fixed(simulation.secs(), 3)));
     });
     ui.label("It is never zero, so M can always be inverted.");
 }
@@ -99,11 +103,14 @@ fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     let potential = pendulum.energy(&State::rest(state.angle)) - lowest;
     let kinetic = pendulum.energy(&state) - lowest - potential;
     for (name, part) in [("kinetic", kinetic), ("potential", potential)] {
-        let text = format!("{name} {part:.2} J");
+        let text = format!("{name} {} J", fixed(part, 2));
         ui.add(ProgressBar::new((part / all) as f32).text(text));
     }
     let error = (pendulum.energy(&state) - pendulum.energy(&start)) / all;
-    ui.label(format!("relative energy error {error:.1e}"));
+    ui.horizontal(|ui| {
+        ui.label("relative energy error");
+        ui.monospace(signed(error, 2));
+    });
 }
 
 /// Returns the motion from the start as CSV, a hundred lines per second.

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use egui::{Slider, Ui};
 
 use super::LiveFigure;
+use super::number_text::column;
 
 /// The state of a figure's playback.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,7 +120,7 @@ impl Playing {
             self.seek(secs);
         }
         self.held_at = slider.dragged().then_some(secs);
-        ui.monospace(format!("{now_secs:6.2} s"));
+        ui.monospace(format!("{} s", column(now_secs, 2, 6)));
     }
 }
 

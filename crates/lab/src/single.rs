@@ -5,6 +5,7 @@ use egui::{Grid, Ui, Vec2, vec2};
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::row;
 use super::drawing::{FigureCanvas, Tint, end};
+use super::number_text::{column, fixed};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use flipmap_pendulum::State;
@@ -20,6 +21,8 @@ impl Default for Single {
     }
 }
 
+/// Length of the arrow of gravity, as a fraction of the rod's.
+const WEIGHT: f64 = 0.3;
 /// Seconds that the energy chart covers.
 const CHART_SECS: f64 = 10.0;
 
@@ -67,7 +70,7 @@ impl Single {
         let path = self.0.path.iter().map(|(_, swing)| [swing.angle, swing.speed]);
         let speeds = -1.1 * fastest..=1.1 * fastest;
         Chart {
-            across: ChartAxis::new("angle θ, rad", -3.2..=3.2, AxisScale::Linear),
+            across: ChartAxis::new("angle θ, rad", -3.2..=3.2, AxisScale::Angle),
             up: ChartAxis::new("speed ω, rad/s", speeds, AxisScale::Linear),
             curves: vec![
                 Curve::guide("just to the top", tint.faint, border(1.0)),
@@ -81,23 +84,23 @@ impl Single {
     /// Draws the pendulum with its parts named.
     fn draw_parts(&mut self, ui: &mut Ui, size: Vec2) {
         let (bob, length, angle) = (self.0.bob(), self.0.simple.length, self.0.angle());
-        let (stage, response) = FigureCanvas::new(ui, size, 1.05 * length, self.told());
+        let (stage, response) = FigureCanvas::new(ui, size, (1.0 + WEIGHT) * length, self.told());
         let (ink, faint, [one, two, three, _]) =
             (stage.tint.ink, stage.tint.faint, stage.tint.parts);
         stage.note("α = −(g/r) sin θ: the mass cancels. Drag the bob.");
-        let tip = [bob[0], bob[1] - 0.3 * length];
+        let tip = [bob[0], bob[1] - WEIGHT * length];
         stage.dashed([0.0; 2], [0.0, -0.6 * length], faint);
         stage.arc([0.0; 2], angle, 0.35 * length, one);
         stage.rod([0.0; 2], bob, ink);
         stage.pivot();
-        stage.arrow(bob, [0.0, -0.3 * length], three);
+        stage.arrow(bob, [0.0, -WEIGHT * length], three);
         stage.bob(bob, self.0.mass, two);
-        stage.label(bob, &format!("mass m = {:.2} kg", self.0.mass), two);
+        stage.label(bob, &format!("mass m = {} kg", fixed(self.0.mass, 2)), two);
         let weight = self.0.mass * self.0.simple.gravity;
-        stage.label(tip, &format!("gravity m g = {weight:.2} N"), three);
+        stage.label(tip, &format!("gravity m g = {} N", fixed(weight, 2)), three);
         stage.label(end([0.0; 2], 0.37 * length, 0.5 * angle), "θ, the one coordinate", one);
         let along = end([0.0; 2], 0.72 * length, angle);
-        stage.label(along, &format!("rod r = {length:.2} m"), ink);
+        stage.label(along, &format!("rod r = {} m", fixed(length, 2)), ink);
         stage.label([0.0; 2], "pivot", faint);
         self.0.drag(&stage, &response);
     }
@@ -121,7 +124,7 @@ impl LiveFigure for Single {
     }
 
     fn told(&self) -> String {
-        format!("A pendulum at θ = {:.3} rad", self.0.angle())
+        format!("A pendulum at θ = {} rad", fixed(self.0.angle(), 3))
     }
 
     fn draw(&mut self, ui: &mut Ui, size: Vec2) {
@@ -141,11 +144,11 @@ impl LiveFigure for Single {
         self.0.controls(ui);
         ui.separator();
         Grid::new("single now").num_columns(2).show(ui, |ui| {
-            row(ui, "time", format!("{:8.3} s", self.0.secs()));
-            row(ui, "θ", format!("{:8.4} rad", self.0.swing.angle));
-            row(ui, "speed ω", format!("{:8.4} rad/s", self.0.swing.speed));
+            row(ui, "time", format!("{} s", column(self.0.secs(), 3, 8)));
+            row(ui, "θ", format!("{} rad", column(self.0.swing.angle, 4, 8)));
+            row(ui, "speed ω", format!("{} rad/s", column(self.0.swing.speed, 4, 8)));
             let acceleration = self.0.simple.acceleration(self.0.swing.angle);
-            row(ui, "acceleration α", format!("{acceleration:8.4} rad/s²"));
+            row(ui, "acceleration α", format!("{} rad/s²", column(acceleration, 4, 8)));
         });
         None
     }

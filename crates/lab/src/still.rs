@@ -3,7 +3,7 @@
 use egui::{Context, RawInput, Rect, Theme, Ui, vec2};
 use egui_wgpu::{Renderer, RendererOptions, ScreenDescriptor};
 
-use super::Lab;
+use super::{Lab, typeface};
 use flipmap_engine::EngineError;
 use flipmap_engine::adapters::INSTALL_HINT;
 use flipmap_engine::gpu::device::{Gpu, adapters};
@@ -44,6 +44,7 @@ pub fn draw(size: [u32; 2], mut show: impl FnMut(&mut Ui)) -> Result<Still, Engi
     }
     let ctx = Context::default();
     ctx.set_theme(Theme::Dark);
+    typeface::install(&ctx);
     let mut renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
     let mut shapes = Vec::new();
     // egui needs more than one pass to settle its layout.

@@ -129,6 +129,6 @@ pub fn card(ui: &mut Ui, figure: Figure) -> Option<FigureRequest> {
             ui.label(format!("{} of {}", figure as usize + 1, CARDS.len()));
         });
     });
-    ui.add_space(6.0);
+    ui.add_space(8.0);
     asked
 }

@@ -1,12 +1,13 @@
 //! Figure 6: pendulums a hair apart, drawn together until they fan out.
 
-use egui::{Color32, Grid, Stroke, Ui, vec2};
+use egui::{Color32, Grid, Pos2, Stroke, Ui, vec2};
 
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
-use super::controls::{brief, number_on, row, thrown};
+use super::controls::{number_on, row, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, Tint, ends};
+use super::number_text::{brief, fixed, significant};
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::Dd;
 use flipmap_numbers::trig::Turning;
@@ -119,23 +120,44 @@ fn shade(k: usize, count: usize, tint: &Tint) -> Color32 {
     tint.parts[0].lerp_to_gamma(tint.parts[1], share)
 }
 
-/// Draws one of `count` pendulums as a thin line in a wide glow. On a dark canvas light adds up, so
-/// that pendulums close together shine.
-fn draw_glowing(stage: &FigureCanvas, places: [[f64; 2]; 2], colour: Color32, count: usize) {
-    let [first, second] = places.map(|place| stage.at(place));
-    let pivot = stage.at([0.0; 2]);
-    // Dimming keeps many pendulums together about as bright as a few tens of them.
-    let dimming = (20.0 / count as f32).sqrt().min(1.0);
-    for (width, light) in [(9.0, 0.07), (4.0, 0.16), (1.5, 0.6)] {
-        let colour = match stage.tint.dark {
-            true => colour.gamma_multiply(light * dimming).additive(),
-            false => colour.gamma_multiply((1.5 * light * dimming).min(1.0)),
+/// Distance in points below which two pendulums look like one.
+const SAME_POINTS: f32 = 0.5;
+
+/// Returns the indices of pendulums of which each looks different from the one before, so that
+/// pendulums that coincide are drawn as one.
+fn distinct(places: &[[Pos2; 2]]) -> Vec<usize> {
+    let mut drawn: Vec<usize> = Vec::new();
+    for (k, place) in places.iter().enumerate() {
+        let apart = |other: usize| {
+            let other = places[other];
+            (0..2).any(|bob| place[bob].distance(other[bob]) > SAME_POINTS)
         };
+        if drawn.last().is_none_or(|last| apart(*last)) {
+            drawn.push(k);
+        }
+    }
+    drawn
+}
+
+/// Draws one of `count` pendulums that look different, as a line in a faint glow.
+fn draw_glowing(stage: &FigureCanvas, [first, second]: [Pos2; 2], colour: Color32, count: usize) {
+    let pivot = stage.at([0.0; 2]);
+    // Dimming keeps the lines of a dense fan apart.
+    let dimming = (20.0 / count as f32).sqrt().min(1.0);
+    for (width, light) in [(6.0, 0.12), (2.0, 0.9)] {
+        let colour = colour.gamma_multiply(light * dimming);
         let stroke = Stroke::new(width, colour);
         stage.painter.line_segment([pivot, first], stroke);
         stage.painter.line_segment([first, second], stroke);
-        stage.painter.circle_filled(second, 1.5 + 0.6 * width, colour);
+        stage.painter.circle_filled(second, 2.0 + 0.5 * width, colour);
     }
+}
+
+/// Describes a growth by the time in which the separation is multiplied by e.
+fn growth_words(growth: &Growth) -> String {
+    let secs = 1.0 / growth.rate_per_sec;
+    let uncertainty = growth.uncertainty_per_sec * secs * secs;
+    format!("× e every {} ± {} s", fixed(secs, 2), fixed(uncertainty, 2))
 }
 
 impl LiveFigure for Twenty {
@@ -166,15 +188,18 @@ impl LiveFigure for Twenty {
 
     fn told(&self) -> String {
         let apart = self.readings.last().map_or(0.0, |reading| reading.separation_rad);
-        format!("{} pendulums after {:.2} s, {} rad apart", self.count, self.secs(), brief(apart))
+        let secs = fixed(self.secs(), 2);
+        format!("{} pendulums after {secs} s, {} rad apart", self.count, brief(apart))
     }
 
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
         let upper = vec2(size.x, 0.62 * size.y);
         let stage = FigureCanvas::seen(ui, upper, 2.0, self.told());
-        for (k, state) in self.states.iter().enumerate() {
-            let colour = shade(k, self.count, &stage.tint);
-            draw_glowing(&stage, ends([1.0, 1.0], state.angle), colour, self.count);
+        let bobs = |state: &State<f64>| ends([1.0, 1.0], state.angle).map(|bob| stage.at(bob));
+        let places: Vec<[Pos2; 2]> = self.states.iter().map(bobs).collect();
+        let drawn = distinct(&places);
+        for &k in &drawn {
+            draw_glowing(&stage, places[k], shade(k, self.count, &stage.tint), drawn.len());
         }
         stage.pivot();
         stage.note("All of them are drawn: at first they look like one.");
@@ -199,18 +224,19 @@ impl LiveFigure for Twenty {
         ui.separator();
         Grid::new("twenty now").num_columns(2).show(ui, |ui| {
             thrown(ui, &self.start);
-            row(ui, "time", format!("{:.2} s", self.clock.secs()));
+            row(ui, "time", format!("{} s", fixed(self.clock.secs(), 2)));
             let apart = self.readings.last().map_or(0.0, |reading| reading.separation_rad);
             let full = if apart > SATURATED_RAD { ", saturated" } else { "" };
-            row(ui, "separation", format!("{} rad{full}", brief(apart)));
+            row(ui, "separation", format!("{} rad{full}", significant(apart, 3)));
             match self.growth().filter(|growth| growth.rate_per_sec > 0.0) {
-                Some(Growth { rate_per_sec, uncertainty_per_sec, .. }) => {
-                    let more = 1000f64.ln() / rate_per_sec;
-                    row(ui, "λ", format!("{rate_per_sec:.2} ± {uncertainty_per_sec:.2} 1/s"));
-                    row(ui, "horizon", format!("{:.1} s", self.horizon_secs(rate_per_sec)));
-                    row(ui, "for 1000 × precision", format!("+{more:.1} s"));
+                Some(growth) => {
+                    let more = 1000f64.ln() / growth.rate_per_sec;
+                    let horizon = self.horizon_secs(growth.rate_per_sec);
+                    row(ui, "growth, 1/λ", growth_words(&growth));
+                    row(ui, "horizon", format!("{} s", fixed(horizon, 1)));
+                    row(ui, "for 1000 × precision", format!("+{} s", fixed(more, 1)));
                 }
-                None => row(ui, "λ", "not known yet"),
+                None => row(ui, "growth, 1/λ", "not known yet"),
             }
         });
         ui.button("Show this start on the map")
@@ -270,6 +296,30 @@ mod tests {
         assert!(
             fitted.rate_per_sec > 0.5 && fitted.uncertainty_per_sec < 0.5 * fitted.rate_per_sec
         );
+    }
+
+    #[test]
+    fn pendulums_that_coincide_are_drawn_as_one() {
+        let places = |live: &Twenty| -> Vec<[Pos2; 2]> {
+            let point = |[x, y]: [f64; 2]| Pos2::new(100.0 * x as f32, -100.0 * y as f32);
+            live.states.iter().map(|state| ends([1.0, 1.0], state.angle).map(point)).collect()
+        };
+        let mut live = Twenty::default();
+        assert_eq!(distinct(&places(&live)), [0], "they look like one");
+        (0..200).for_each(|_| live.advance(0.1));
+        assert_eq!(distinct(&places(&live)).len(), 20, "each is drawn in the fan");
+    }
+
+    #[test]
+    fn growth_is_told_as_a_time() {
+        let growth = Growth { rate_per_sec: 0.5, uncertainty_per_sec: 0.05, ..fitted() };
+        assert_eq!(growth_words(&growth), "× e every 2.00 ± 0.20 s");
+    }
+
+    fn fitted() -> Growth {
+        let mut live = Twenty::default();
+        (0..100).for_each(|_| live.advance(0.1));
+        live.growth().unwrap()
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::hover::Answer;
 use super::map::Hovered;
 use super::reach::Reach;
 use flipmap_engine::Trust;
+use flipmap_lab::number_text::fixed;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::Status;
 use flipmap_scene::lattice::pitch_rad;
@@ -74,7 +75,7 @@ fn told(scene: &Scene, answer: &Answer) -> String {
 /// Formats a channel's name, value and unit; whole numbers have no decimals.
 fn value_words(Channel { name, unit, right, scale }: &Channel, value: f64) -> String {
     let is_whole = *right == 0.0 && !matches!(scale, ChannelScale::Times);
-    let value = if is_whole { format!("{value}") } else { format!("{value:.4}") };
+    let value = fixed(value, if is_whole { 0 } else { 4 });
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     format!("{name} {value}{unit}")
 }

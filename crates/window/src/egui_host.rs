@@ -19,6 +19,7 @@ use super::canvas::LAYERS;
 use super::canvas::pipeline::Canvas;
 use super::wake::Woken;
 use flipmap_engine::gpu::device::is_software;
+use flipmap_lab::typeface;
 
 /// The reason why nothing can be drawn in the window.
 #[derive(Debug, thiserror::Error)]
@@ -77,6 +78,7 @@ impl EguiHost {
         remains: Option<SurvivingParts>,
     ) -> Result<Self, HostError> {
         let ctx = Context::default();
+        typeface::install(&ctx);
         let waker = proxy.clone();
         ctx.set_request_repaint_callback(move |info| {
             // After the event loop has ended, nothing is drawn any more.

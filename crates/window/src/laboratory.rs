@@ -161,9 +161,9 @@ impl AppModel {
     pub(super) fn explanation(&mut self, ctx: &egui::Context) -> Vec<Action> {
         let seen = self.in_view.seen(&self.state.screen(), &mut self.compute.explorer);
         let mut actions = Vec::new();
-        let window = egui::Window::new("What you are seeing").default_width(330.0);
+        let window = egui::Window::new("What you are seeing").default_width(328.0);
         let most = (ctx.content_rect().height() - 140.0).max(100.0);
-        window.anchor(Align2::LEFT_TOP, vec2(12.0, 48.0)).resizable(false).show(ctx, |ui| {
+        window.anchor(Align2::LEFT_TOP, vec2(8.0, 48.0)).resizable(false).show(ctx, |ui| {
             ScrollArea::vertical().max_height(most).show(ui, |ui| {
                 if self.lab.story {
                     match story::card(ui, Figure::Map) {

@@ -12,6 +12,7 @@ use super::hover::Answer;
 use super::overlay::{self, PlacedLabel, position};
 use super::pin_paths;
 use super::state::AppState;
+use flipmap_lab::number_text::significant;
 use flipmap_numbers::Exact;
 use flipmap_pendulum::Rule;
 use flipmap_scene::PendulumSpec;
@@ -258,7 +259,8 @@ fn spoken(state: &AppState, hovered: Option<Hovered>) -> String {
     let here = here.unwrap_or_default();
     let place = place_words(&scene, camera.reach.coordinates(camera.center), 4);
     let [across, _] = scene.plane.axes();
-    format!("Map around {place}, {:.3e} {} wide. {here}", camera.width(), across.unit())
+    let width = significant(camera.width(), 4);
+    format!("Map around {place}, {width} {} wide. {here}", across.unit())
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 use super::model::AppModel;
 use super::panels::accuracy;
-use super::panels::status::{StatusLine, depth_words, grouped, short};
+use super::panels::status::{StatusLine, depth_words, short};
+use flipmap_lab::number_text::{count, fixed, significant};
 
 impl AppModel {
     /// Returns the content of the line below the map.
@@ -52,12 +53,13 @@ impl AppModel {
         let diving = path.running.is_some().then(|| match path.pace.is_paused {
             true => "the dive is paused: Space goes on, Esc stays here".to_string(),
             false => format!(
-                "diving, × {:.1} a second: the wheel changes the pace, Space pauses, Esc stays",
-                path.pace.octaves_a_sec().exp2()
+                "diving, × {} a second: the wheel changes the pace, Space pauses, Esc stays",
+                fixed(path.pace.octaves_a_sec().exp2(), 1)
             ),
         });
         let flat = self.spread.flat_secs().map(|secs| {
-            format!("flat to {secs:.0e} s: nothing smaller here; D follows the nearest filament")
+            let secs = significant(secs, 1);
+            format!("flat to {secs} s: nothing smaller here; D follows the nearest filament")
         });
         self.compute.following().or(diving).or(self.compute.comparing()).or(flat)
     }
@@ -70,7 +72,7 @@ impl AppModel {
         let (_, how) = self.sure();
         let mut lines: Vec<String> = how.lines().map(str::to_string).collect();
         lines.push(format!("level {}", progress.level));
-        lines.push(format!("{} pendulums since the start", grouped(simulated)));
+        lines.push(format!("{} pendulums since the start", count(simulated)));
         if rate > 0.0 {
             lines.push(format!("{} pendulums/s", short(rate)));
         }

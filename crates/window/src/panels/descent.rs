@@ -2,6 +2,7 @@
 
 use egui::Ui;
 
+use flipmap_lab::number_text::significant;
 use flipmap_scene::Scene;
 
 /// The state shown in the panel.
@@ -41,7 +42,7 @@ pub(crate) fn descent_panel(ui: &mut Ui, way: &DescentView) -> Vec<DescentAction
     ui.horizontal_wrapped(|ui| {
         for (k, scene) in way.scenes.iter().enumerate() {
             let width = scene.view.width_rad().hi;
-            if ui.link(format!("{width:.0e}")).on_hover_text("rad wide; go there").clicked() {
+            if ui.link(significant(width, 1)).on_hover_text("rad wide; go there").clicked() {
                 actions.push(DescentAction::Open(k));
             }
         }

@@ -7,6 +7,7 @@ use super::field::number;
 use super::sentence::sentence;
 use crate::film_draft::FilmDraft;
 use crate::flight::playback::Playback;
+use flipmap_lab::number_text::significant;
 
 /// An action of the user in the panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,7 +108,7 @@ fn keys(ui: &mut Ui, draft: &mut FilmDraft, actions: &mut Vec<FilmAction>) {
                 }
             }
             let width = key.scene.view.width_rad().hi;
-            let name = format!("{number}: {} wide", short(width));
+            let name = format!("{number}: {} wide", significant(width, 3));
             if ui.link(name).on_hover_text("Go there").clicked() {
                 actions.push(FilmAction::Go(place));
             }
@@ -124,11 +125,6 @@ fn keys(ui: &mut Ui, draft: &mut FilmDraft, actions: &mut Vec<FilmAction>) {
     if let Some(place) = removed {
         draft.remove(place);
     }
-}
-
-/// Formats a width in few digits.
-fn short(width: f64) -> String {
-    if width < 1e-3 { format!("{width:.0e}") } else { format!("{width:.3}") }
 }
 
 /// Shows the clock of the preview.

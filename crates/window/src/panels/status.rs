@@ -3,6 +3,7 @@
 use egui::{ProgressBar, Ui};
 
 use flipmap_engine::{DepthStats, Precision};
+use flipmap_lab::number_text::{fixed, significant};
 use flipmap_render::tiles::explorer::ViewProgress;
 
 /// The content of the line.
@@ -74,12 +75,12 @@ pub(crate) fn depth_words(
         "All of it is known from polynomials.".to_string()
     } else {
         let horizon = depth.horizon_words(precision);
-        let ends = depth.structure_ends_at(budget_secs);
+        let ends = significant(depth.structure_ends_at(budget_secs), 1);
         format!(
             "Cells are followed as polynomials to {first:.1} to {last:.1} s, and their pixels from \
              there in {precision}: to be trusted {horizon}. Neighbours move apart by \
              {:.2} decades a second, so within {budget_secs:.0} s there is structure down to widths \
-             of {ends:.0e} rad.",
+             of {ends} rad.",
             depth.decades_a_second
         )
     };
@@ -98,24 +99,8 @@ fn left_words(secs: f64) -> String {
 
 /// Formats a width, in powers of ten if it is small.
 fn width_text(width: f64, unit: &str) -> String {
-    if width >= 1e-3 {
-        format!("{width:.4} {unit} wide")
-    } else {
-        format!("{width:.3e} {unit} wide")
-    }
-}
-
-/// Formats a count with thin spaces between its thousands.
-pub(crate) fn grouped(count: u64) -> String {
-    let digits = count.to_string();
-    let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push('\u{2009}');
-        }
-        text.push(digit);
-    }
-    text
+    let number = if width >= 1e-3 { fixed(width, 4) } else { significant(width, 4) };
+    format!("{number} {unit} wide")
 }
 
 /// Formats a rate in thousands or millions.
@@ -139,9 +124,9 @@ mod tests {
     }
 
     #[test]
-    fn counts_are_easy_to_read() {
-        assert_eq!(grouped(999), "999");
-        assert_eq!(grouped(1_234_567), "1\u{2009}234\u{2009}567");
+    fn widths_and_rates_are_easy_to_read() {
+        assert_eq!(width_text(6.2832, "rad"), "6.2832 rad wide");
+        assert_eq!(width_text(1.5e-7, "rad"), "1.5\u{2009}×\u{2009}10⁻⁷ rad wide");
         assert_eq!(
             (short(12.3), short(45_678.0), short(2.35e6)),
             ("12".into(), "46 k".into(), "2.4 M".into())

@@ -5,6 +5,7 @@ use egui::{Grid, RichText, Ui};
 use crate::flight::{Agreement, Flight, FlightEnding};
 use crate::pins::Pin;
 use flipmap_engine::Trust;
+use flipmap_lab::number_text::{fixed, significant};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::separation::reading_at;
 use flipmap_pendulum::{Outcome, Status};
@@ -34,16 +35,16 @@ pub(super) fn facts(ui: &mut Ui, pin: &Pin) {
         for (name, theta) in ["θ1", "θ2"].into_iter().zip(pin.start.angle) {
             let rad = theta.to_f64();
             ui.label(name).on_hover_text(format!("{name} = {theta} rad"));
-            ui.label(format!("{rad:.6} rad"));
-            ui.label(format!("{:.6} π", rad / std::f64::consts::PI));
-            ui.label(format!("{:.4}°", rad.to_degrees()));
+            ui.label(format!("{} rad", fixed(rad, 6)));
+            ui.label(format!("{} π", fixed(rad / std::f64::consts::PI, 6)));
+            ui.label(format!("{}°", fixed(rad.to_degrees(), 4)));
             ui.end_row();
         }
     });
     let [thrown, _] = pin.start.launches;
     if !thrown.is_at_rest() {
         let [omega1, omega2] = thrown.speed.map(|speed| speed.hi);
-        let words = format!("ω1 {omega1:.6} rad/s, ω2 {omega2:.6} rad/s");
+        let words = format!("ω1 {} rad/s, ω2 {} rad/s", fixed(omega1, 6), fixed(omega2, 6));
         ui.label(words).on_hover_text("The speeds with which it is thrown");
     }
     Grid::new("facts").num_columns(2).show(ui, |ui| {
@@ -138,7 +139,7 @@ fn energy_words(pin: &Pin) -> String {
         .iter()
         .take_while(|reading| reading.secs <= secs)
         .fold(0.0, |worst: f64, reading| worst.max(reading.energy_error.abs()));
-    format!("{:.0e}, at worst {worst:.0e}", now.energy_error.abs())
+    format!("{}, at worst {}", significant(now.energy_error.abs(), 1), significant(worst, 1))
 }
 
 /// Describes where and why the record ends; none if it is complete or still growing.
