@@ -10,11 +10,13 @@ use std::time::Duration;
 use egui::{Context, Ui, ViewportId};
 use egui_wgpu::winit::Painter;
 use egui_wgpu::{RendererOptions, SurfaceConfig, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
+use winit::event::{ElementState, MouseButton, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy, OwnedDisplayHandle};
 use winit::window::Window;
 
 use super::canvas::LAYERS;
 use super::canvas::pipeline::Canvas;
+use super::clipboard::{ClipboardReader, Pasted, take_keys};
 use super::wake::Woken;
 use flipmap_engine::gpu::device::is_software;
 
@@ -34,6 +36,8 @@ pub(crate) struct EguiHost {
     /// Context of the interface.
     pub ctx: Context,
     input: egui_winit::State,
+    clipboard: ClipboardReader,
+    proxy: EventLoopProxy<Woken>,
     painter: Painter,
     window: Arc<Window>,
     lost: Arc<AtomicBool>,
@@ -95,6 +99,8 @@ impl EguiHost {
             window.theme(),
             painter.max_texture_side(),
         );
+        // The clipboard is read on another thread.
+        input.set_clipboard_shortcuts(false);
         let screen_reader = remains.as_ref().is_some_and(|remains| remains.screen_reader);
         match remains {
             Some(remains) => remains.move_into(&ctx, &mut input),
@@ -103,6 +109,8 @@ impl EguiHost {
         let mut host = EguiHost {
             ctx,
             input,
+            clipboard: ClipboardReader::default(),
+            proxy: proxy.clone(),
             painter,
             window: Arc::clone(window),
             lost: Arc::default(),
@@ -170,11 +178,37 @@ impl EguiHost {
     }
 
     /// Handles an event. Returns true if something may have to be redrawn.
-    pub(crate) fn on_event(&mut self, event: &winit::event::WindowEvent) -> bool {
-        if let winit::event::WindowEvent::Resized(size) = event {
+    pub(crate) fn on_event(&mut self, event: &WindowEvent) -> bool {
+        if let WindowEvent::Resized(size) = event {
             self.resize(size.width, size.height);
         }
-        self.input.on_window_event(&self.window, event).repaint
+        if let WindowEvent::MouseInput { button: MouseButton::Middle, state, .. } = event {
+            if let (ElementState::Pressed, Some(point)) = (state, self.ctx.pointer_latest_pos()) {
+                self.clipboard.ask(Some(point), &self.proxy);
+            }
+            return false;
+        }
+        let repaint = self.input.on_window_event(&self.window, event).repaint;
+        if take_keys(&mut self.input.egui_input_mut().events) {
+            self.clipboard.ask(None, &self.proxy);
+        }
+        repaint
+    }
+
+    /// Gives egui a text from the clipboard. Returns true if there is none.
+    pub(crate) fn paste(&mut self, pasted: Pasted) -> bool {
+        let event = match pasted {
+            Pasted::Text(text) => egui::Event::Paste(text),
+            Pasted::Selection(pos, text) => egui::Event::MiddleClickPaste { pos, text },
+            Pasted::Nothing => return true,
+            Pasted::Unreachable => match self.input.clipboard_text() {
+                Some(text) if !text.is_empty() => egui::Event::Paste(text),
+                _ => return true,
+            },
+        };
+        self.input.egui_input_mut().events.push(event);
+        self.ctx.request_repaint();
+        false
     }
 
     /// Resizes the surface, up to the limit of the device; complains if the window is larger.
