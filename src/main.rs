@@ -9,7 +9,7 @@ use flipmap_engine::threads::default_threads;
 
 fn main() -> ExitCode {
     env_logger::Builder::from_env(
-        env_logger::Env::default().default_filter_or("error,wgpu_hal=off"),
+        env_logger::Env::default().default_filter_or("error,arboard=off,wgpu_hal=off"),
     )
     .init();
     #[cfg(unix)]

@@ -2,26 +2,22 @@
 //! memory, and without disk space the first write to that memory ends the program (SIGBUS).
 
 use std::env;
-use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+
+use super::restart::again;
 
 /// Mesa's variable that turns the cache off.
 const OFF: &str = "MESA_SHADER_CACHE_DISABLE";
 /// Free space, in bytes, for the index that Mesa maps (1.3 MB) and the shaders of one run.
 const NEEDED: u64 = 8 << 20;
 
-/// Starts this program again without the cache if there is no room for it. The variable must be there
-/// before the driver is loaded, and setting it here would race with threads that read it.
+/// Starts this program again without the cache if there is no room for it.
 pub(crate) fn do_without_on_a_full_disk() {
     if env::var_os(OFF).is_some() || folder().is_none_or(|folder| has_room(&folder, NEEDED)) {
         return;
     }
-    let Ok(program) = env::current_exe() else { return };
-    let mut arguments = env::args_os();
-    let name = arguments.next().unwrap_or_else(|| "flipmap".into());
-    // `exec` returns only on failure; this run then goes on, and may end by SIGBUS.
-    let error = Command::new(program).arg0(name).args(arguments).env(OFF, "true").exec();
+    // If this fails, the run goes on, and may end by SIGBUS.
+    let Err(error) = again(|command| _ = command.env(OFF, "true"));
     log::warn!("the disk of Mesa's shader cache is full, and it cannot be turned off: {error}");
 }
 

@@ -5,6 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use clap::Args;
+use flipmap_window::display;
 use flipmap_window::film_run::FilmOrder;
 use flipmap_window::folders::Folders;
 use flipmap_window::model;
@@ -13,9 +14,13 @@ pub(super) use flipmap_window::window::{self, WindowError};
 use super::exit::Exit;
 use super::options::SceneOptions;
 use super::picture_options::PictureOptions;
+#[cfg(unix)]
+use super::restart::again;
 use super::run_options::RunOptions;
 use super::same_file::keep_apart;
 use super::stop;
+#[cfg(unix)]
+use super::tell;
 
 #[derive(Args, Debug, Default)]
 pub(super) struct Options {
@@ -35,6 +40,7 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
+    leave_out_bad_variables()?;
     let stats = options.stats.as_deref().map(|path| ("--stats", path));
     keep_apart(options.scene.file().as_slice(), stats.as_slice())?;
     options.run.engine.check()?;
@@ -59,11 +65,48 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         }
     });
     match shown {
+        Err(WindowError::Scale(why)) => open_unscaled(why),
         Err(why @ WindowError::Host(_)) => Err(Exit::Unavailable(why.to_string()).into()),
         Err(why) => Err(why.into()),
         Ok(()) if stop::asked() => Err(Exit::Interrupted.into()),
         Ok(()) => Ok(()),
     }
+}
+
+/// Starts the program again without the variables with which no window could be opened.
+#[cfg(unix)]
+fn leave_out_bad_variables() -> anyhow::Result<()> {
+    let bad = display::bad_variables(|name| std::env::var_os(name));
+    if bad.is_empty() {
+        return Ok(());
+    }
+    bad.iter().for_each(|variable| tell(&format!("flipmap: {}", variable.why)));
+    let Err(error) = again(|command| {
+        bad.iter().for_each(|variable| _ = command.env_remove(variable.name));
+    });
+    Err(error.into())
+}
+
+/// Starts the program again with the scale 1, because the display's own is unusable.
+#[cfg(unix)]
+fn open_unscaled(why: display::UnusableScale) -> anyhow::Result<()> {
+    const UNSCALED: &str = "1";
+    if std::env::var_os(display::SCALE_VARIABLE).is_some_and(|value| value == UNSCALED) {
+        return Err(why.into());
+    }
+    tell(&format!("flipmap: {why}, so 1 is used"));
+    let Err(error) = again(|command| _ = command.env(display::SCALE_VARIABLE, UNSCALED));
+    Err(error.into())
+}
+
+#[cfg(not(unix))]
+fn leave_out_bad_variables() -> anyhow::Result<()> {
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn open_unscaled(why: display::UnusableScale) -> anyhow::Result<()> {
+    Err(why.into())
 }
 
 /// The command line that makes a film from the window.

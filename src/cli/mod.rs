@@ -26,6 +26,8 @@ mod plan;
 mod progress;
 mod render;
 mod report;
+#[cfg(unix)]
+mod restart;
 mod run_options;
 mod same_file;
 mod size;

@@ -113,3 +113,53 @@ fn a_film_that_is_stopped_ends_its_process_and_keeps_its_samples() {
     });
     assert!(folder.path().join("film.samples/plan.toml").is_file());
 }
+
+/// A film that takes longer than its test.
+#[cfg(unix)]
+fn endless_film(_: &FilmOrder) -> std::io::Result<Command> {
+    let mut command = Command::new("sleep");
+    command.arg("600");
+    Ok(command)
+}
+
+#[cfg(unix)]
+#[test]
+fn closing_during_a_film_asks_first_and_the_keys_are_there_again() {
+    use flipmap_window::action::Action;
+    use flipmap_window::state::Effect;
+    let folder = tempfile::tempdir().unwrap();
+    let opened = || {
+        let options = options(Folders::under(folder.path()), Some(Document::default()));
+        model_of(&WindowOptions { film_command: Some(endless_film), ..options })
+    };
+    let mut desktop = opened();
+    if desktop.query_by_label("Look around").is_some() {
+        click(&mut desktop, "Look around");
+    }
+    let draft = &mut desktop.state_mut().films.draft;
+    (0..2).for_each(|_| draft.add(Document::default()));
+    draft.fps = 24.0;
+    draft.path = folder.path().join("long.mp4").display().to_string();
+    let keys = draft.keys.clone();
+    click(&mut desktop, "Film");
+    desktop.run_steps(30);
+    click(&mut desktop, "Make film");
+    let quit = |desktop: &mut Desktop| desktop.state_mut().act(vec![Action::Quit]);
+    assert_eq!(quit(&mut desktop), [], "it asks");
+    desktop.run_steps(5);
+    desktop.get_by_label_contains("made again, it continues where it stopped");
+    click(&mut desktop, "Keep it open");
+    desktop.run_steps(5);
+    assert!(desktop.query_by_label("Keep it open").is_none());
+    assert_eq!(quit(&mut desktop), []);
+    assert_eq!(quit(&mut desktop), [Effect::Quit], "asked twice, it closes");
+    assert_eq!(desktop.state_mut().save(), None);
+    drop(desktop);
+    let mut again = opened();
+    let draft = &again.state().films.draft;
+    assert_eq!((&draft.keys, draft.fps), (&keys, 24.0));
+    assert!(draft.path.ends_with("long.mp4"));
+    let told = again.state().state.notices.iter().map(|notice| notice.text.clone());
+    assert!(told.collect::<String>().contains("its keys: 2"));
+    assert_eq!(quit(&mut again), [Effect::Quit], "nothing is at stake");
+}

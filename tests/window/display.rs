@@ -10,11 +10,14 @@ use std::time::{Duration, Instant};
 use image::RgbImage;
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{
-    AtomEnum, ClientMessageEvent, ConfigureWindowAux, ConnectionExt, EventMask, ImageFormat,
-    InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, MapState,
+    AtomEnum, ClientMessageEvent, ConfigureWindowAux, ConnectionExt, CreateWindowAux, EventMask,
+    ImageFormat, InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT, MOTION_NOTIFY_EVENT, MapState,
+    PropMode, WindowClass,
 };
 use x11rb::protocol::xtest::ConnectionExt as _;
 use x11rb::rust_connection::RustConnection;
+use x11rb::wrapper::ConnectionExt as _;
+use x11rb::{COPY_DEPTH_FROM_PARENT, COPY_FROM_PARENT, CURRENT_TIME};
 
 /// Width and height of the screen in pixels.
 pub(crate) const SCREEN: [u16; 2] = [1600, 1000];
@@ -53,10 +56,15 @@ pub(crate) fn wait_for<T>(what: &str, max_secs: u64, mut ask: impl FnMut() -> Op
 impl Display {
     /// Starts a server on a free display.
     pub(crate) fn open() -> Self {
+        Self::of_depth(24)
+    }
+
+    /// Starts a server whose screen has this many bits a pixel.
+    pub(crate) fn of_depth(bits: u8) -> Self {
         let [width, height] = SCREEN;
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-nolisten", "tcp", "-screen", "0"])
-            .arg(format!("{width}x{height}x24"))
+            .arg(format!("{width}x{height}x{bits}"))
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -72,6 +80,48 @@ impl Display {
         let root = connection.setup().roots[screen].root;
         let keys = keys(&connection);
         Display { server, name, connection, root, keys }
+    }
+
+    /// Sets a resource of the server, as `xrdb` does; it lasts as long as this connection.
+    pub(crate) fn set_resource(&self, text: &str) {
+        let (name, kind) = (AtomEnum::RESOURCE_MANAGER, AtomEnum::STRING);
+        let set = self.connection.change_property8(
+            PropMode::REPLACE,
+            self.root,
+            name,
+            kind,
+            text.as_bytes(),
+        );
+        set.expect("the server is there").check().expect("the root window has properties");
+    }
+
+    /// Takes the clipboard, and never answers those who ask for its text.
+    pub(crate) fn hold_clipboard(&self) {
+        let window = self.connection.generate_id().expect("there are identifiers left");
+        let made = self.connection.create_window(
+            COPY_DEPTH_FROM_PARENT,
+            window,
+            self.root,
+            0,
+            0,
+            1,
+            1,
+            0,
+            WindowClass::INPUT_OUTPUT,
+            COPY_FROM_PARENT,
+            &CreateWindowAux::new(),
+        );
+        made.expect("the server is there").check().expect("a window can be made");
+        let clipboard = self.connection.intern_atom(false, b"CLIPBOARD");
+        let clipboard = clipboard.expect("the server is there").reply().expect("it is a name").atom;
+        let taken = self.connection.set_selection_owner(window, clipboard, CURRENT_TIME);
+        taken.expect("the server is there").check().expect("nobody else holds it");
+    }
+
+    /// Ends the server, as a log-out does.
+    pub(crate) fn end(&mut self) {
+        self.server.kill().expect("it runs");
+        self.server.wait().expect("it ends");
     }
 
     /// The window with this title, or `None` while it is not shown.

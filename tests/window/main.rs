@@ -4,6 +4,7 @@
 
 mod display;
 mod likeness;
+mod mishaps;
 mod session;
 mod soak;
 mod vitals;
@@ -47,6 +48,11 @@ window_tests! {
     the_laboratory_is_live
     closing_keeps_where_it_was
     without_a_config_nothing_is_kept
+    any_scale_opens_a_window
+    a_display_of_other_colours_is_said_to_be_one
+    where_no_compositor_answers_x11_is_used
+    a_display_that_goes_away_costs_nothing
+    a_clipboard_that_does_not_answer_freezes_nothing
     soak
 }
 
@@ -72,6 +78,7 @@ const PLAIN: [&str; 3] = ["--no-denoise", "--times", "budget"];
 mod checks {
     use super::*;
 
+    pub(crate) use super::mishaps::*;
     pub(crate) use super::soak::soak;
 
     pub(crate) fn the_home_map_is_the_picture_that_render_makes() {

@@ -21,6 +21,11 @@ use super::display::{Display, SCREEN, wait_for};
 /// A lock that runs windows one after another: two at once would slow down each other's engines.
 static ALONE: Mutex<()> = Mutex::new(());
 
+/// Waits until no other window is open.
+pub(crate) fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Width and height of the window in pixels.
 pub(crate) const WINDOW: [u32; 2] = [900, 640];
 
@@ -139,7 +144,7 @@ impl Session {
 
     /// Opens the window in the home folder of an earlier run and waits until its map is complete.
     pub(crate) fn open_in(folder: TempDir, name: &'static str, arguments: &[&str]) -> Self {
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let alone = alone();
         let display = Display::open();
         if !arguments.contains(&"--no-config") {
             greet(folder.path());

@@ -16,8 +16,7 @@ use flipmap_numbers::Exact;
 use flipmap_render::output::{read_document, read_gradient};
 use flipmap_scene::PictureTable;
 
-const NO_DIALOG: &str = "The desktop has no file dialog (no portal answers): type a path under \
-                         Export, or drop a file on the window.";
+const NO_DIALOG: &str = "The desktop has no file dialog (no portal answers)";
 
 impl AppModel {
     /// Carries out actions in order and returns the effects that only the window can have.
@@ -88,7 +87,7 @@ impl AppModel {
             Action::FullScreen => return Some(Effect::FullScreen),
             #[cfg(feature = "rigs")]
             Action::LoseDevice => return Some(Effect::LoseDevice),
-            Action::Quit => return Some(Effect::Quit),
+            Action::Quit => return self.quit(),
         }
         None
     }
@@ -201,7 +200,10 @@ impl AppModel {
             (Some(Asking::Film(_)), DialogAnswer::File(path)) => {
                 self.films.draft.path = path.display().to_string();
             }
-            (_, DialogAnswer::Missing) => self.state.notices.fail(NO_DIALOG),
+            (Some(asking), DialogAnswer::Missing) => {
+                let instead = asking.instead();
+                self.state.notices.fail(format!("{NO_DIALOG}: {instead}."));
+            }
             _ => {}
         }
     }

@@ -10,13 +10,14 @@ use std::time::{Duration, Instant};
 use egui::{Context, Ui, ViewportId};
 use egui_wgpu::winit::Painter;
 use egui_wgpu::{RendererOptions, SurfaceConfig, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
-use winit::event::{ElementState, TouchPhase, WindowEvent};
+use winit::event::{ElementState, MouseButton, TouchPhase, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, EventLoopProxy, OwnedDisplayHandle};
 use winit::window::Window;
 
 use super::arrivals::{FrameTime, FrameTimes};
 use super::canvas::LAYERS;
 use super::canvas::pipeline::Canvas;
+use super::clipboard::{ClipboardReader, Pasted, take_keys};
 use super::wake::Woken;
 use flipmap_engine::gpu::device::is_software;
 use flipmap_lab::typeface;
@@ -37,6 +38,8 @@ pub(crate) struct EguiHost {
     /// Context of the interface.
     pub ctx: Context,
     input: egui_winit::State,
+    clipboard: ClipboardReader,
+    proxy: EventLoopProxy<Woken>,
     painter: Painter,
     window: Arc<Window>,
     lost: Arc<AtomicBool>,
@@ -100,6 +103,8 @@ impl EguiHost {
             window.theme(),
             painter.max_texture_side(),
         );
+        // The clipboard is read on another thread.
+        input.set_clipboard_shortcuts(false);
         let screen_reader = remains.as_ref().is_some_and(|remains| remains.screen_reader);
         match remains {
             Some(remains) => remains.move_into(&ctx, &mut input),
@@ -108,6 +113,8 @@ impl EguiHost {
         let mut host = EguiHost {
             ctx,
             input,
+            clipboard: ClipboardReader::default(),
+            proxy: proxy.clone(),
             painter,
             window: Arc::clone(window),
             lost: Arc::default(),
@@ -188,7 +195,33 @@ impl EguiHost {
             }
             _ => {}
         }
-        self.input.on_window_event(&self.window, event).repaint
+        if let WindowEvent::MouseInput { button: MouseButton::Middle, state, .. } = event {
+            if let (ElementState::Pressed, Some(point)) = (state, self.ctx.pointer_latest_pos()) {
+                self.clipboard.ask(Some(point), &self.proxy);
+            }
+            return false;
+        }
+        let repaint = self.input.on_window_event(&self.window, event).repaint;
+        if take_keys(&mut self.input.egui_input_mut().events) {
+            self.clipboard.ask(None, &self.proxy);
+        }
+        repaint
+    }
+
+    /// Gives egui a text from the clipboard. Returns true if there is none.
+    pub(crate) fn paste(&mut self, pasted: Pasted) -> bool {
+        let event = match pasted {
+            Pasted::Text(text) => egui::Event::Paste(text),
+            Pasted::Selection(pos, text) => egui::Event::MiddleClickPaste { pos, text },
+            Pasted::Nothing => return true,
+            Pasted::Unreachable => match self.input.clipboard_text() {
+                Some(text) if !text.is_empty() => egui::Event::Paste(text),
+                _ => return true,
+            },
+        };
+        self.input.egui_input_mut().events.push(event);
+        self.ctx.request_repaint();
+        false
     }
 
     /// Resizes the surface, up to the limit of the device; complains if the window is larger.

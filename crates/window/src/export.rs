@@ -160,8 +160,12 @@ impl Export {
 
     /// Returns true if the export has not ended and `path` leads to its file.
     pub(crate) fn will_write(&self, path: &Path) -> bool {
+        self.is_unfinished() && is_one_file(&self.path, path)
+    }
+
+    /// Returns true if the export has not ended.
+    pub(crate) fn is_unfinished(&self) -> bool {
         matches!(self.stage(), ExportStage::Starting(_) | ExportStage::Running { .. })
-            && is_one_file(&self.path, path)
     }
 
     /// Asks the export to stop, which takes a moment.

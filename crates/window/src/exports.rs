@@ -24,6 +24,24 @@ impl Exports {
         Err(format!("{} {why}.", path.display()))
     }
 
+    /// Returns a sentence for each export that closing the window would stop: what is lost and what
+    /// is kept.
+    pub(crate) fn at_stake(&self) -> Vec<String> {
+        let unfinished = self.0.iter().filter(|export| export.is_unfinished());
+        unfinished
+            .map(|export| {
+                let path = export.path().display();
+                match export.is_film() {
+                    true => format!(
+                        "The film {path} is not finished. It stops, but its samples and its keys \
+                         are kept: made again, it continues where it stopped."
+                    ),
+                    false => format!("{path} is not exported completely. No part of it is kept."),
+                }
+            })
+            .collect()
+    }
+
     /// Cancels an export.
     pub(crate) fn cancel(&self, index: usize) {
         if let Some(export) = self.0.get(index) {

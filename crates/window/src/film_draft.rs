@@ -2,11 +2,49 @@
 
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use super::flight::playback::Playback;
 use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::film::{Film, FilmError};
 use flipmap_scene::keys::{Easing, Key, Keys};
 use flipmap_scene::{Budget, Document, QuestionSettings, Scene};
+
+/// How a film is shot, as it is kept between runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct FilmForm {
+    /// Width and height of a frame in pixels.
+    pub size: [u32; 2],
+    /// Frames per second.
+    pub fps: f64,
+    /// Path of the film.
+    pub path: String,
+    /// Path of the file that keeps the keys.
+    pub keys_path: String,
+    /// True while the keys are those of a descent.
+    pub of_descent: bool,
+}
+
+impl Default for FilmForm {
+    fn default() -> Self {
+        FilmForm::of(&FilmDraft::default())
+    }
+}
+
+impl FilmForm {
+    /// Returns how the film of a draft is shot.
+    pub(crate) fn of(draft: &FilmDraft) -> Self {
+        let FilmDraft { size, fps, path, keys_path, of_descent, .. } = draft.clone();
+        FilmForm { size, fps, path, keys_path, of_descent }
+    }
+
+    /// Returns a draft that is shot in this way and has no keys yet.
+    pub(crate) fn draft(&self) -> FilmDraft {
+        let FilmForm { size, fps, path, keys_path, of_descent } = self.clone();
+        FilmDraft { size, fps, path, keys_path, of_descent, ..FilmDraft::default() }
+    }
+}
 
 /// A film that is being planned.
 #[derive(Clone, Debug, PartialEq)]

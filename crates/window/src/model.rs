@@ -20,6 +20,7 @@ use super::film_run::FilmCommand;
 use super::folders::Folders;
 use super::greeting::Greeting;
 use super::in_view::InView;
+use super::kept_keys::KeptKeys;
 use super::keys::pressed;
 use super::meter::Meter;
 use super::outlook::Estimates;
@@ -30,10 +31,12 @@ use super::panels::timeline::timeline;
 use super::panels::view::ViewForm;
 use super::panels::{help, notices};
 use super::places::Places;
-use super::settings::{Appearance, Loaded, Settings, Store};
+use super::saving::LastSave;
+use super::settings::{Appearance, Settings};
 use super::small_pictures::SmallPictures;
 use super::spread::ColourSpread;
 use super::state::{AppState, Effect};
+use super::store::{Loaded, Store};
 use super::swing::HoverSwing;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::run_settings::RunSpec;
@@ -63,6 +66,17 @@ pub(super) enum Asking {
     Open(FileDialog),
     Export(FileDialog),
     Film(FileDialog),
+}
+
+impl Asking {
+    /// Returns what the user can do where the desktop has no file dialog.
+    pub(super) fn instead(&self) -> &'static str {
+        match self {
+            Asking::Open(_) => "drop the file on the window, or name it: flipmap explore FILE",
+            Asking::Export(_) => "type the path in the field File under Export",
+            Asking::Film(_) => "type the path in the field Film to under Film",
+        }
+    }
 }
 
 /// The forms that the user has begun to fill in.
@@ -104,20 +118,13 @@ pub struct AppModel {
     pub lab: Lab,
     pub(super) request: EngineRequest,
     pub(super) wake: Wake,
-    saved: LastSave,
+    pub(super) saved: LastSave,
+    pub(super) kept_keys: KeptKeys,
     /// Lines for the debug panel, set by the owner of the window.
     pub measured: Vec<String>,
     pub(super) spread: ColourSpread,
 }
 
-/// The settings that the file holds, and the time of the last save.
-struct LastSave {
-    settings: Option<Settings>,
-    at: Instant,
-}
-
-/// Time between saves of the settings while the window is used.
-const SAVE_EVERY: Duration = Duration::from_secs(20);
 /// Time that a frame may spend on preparing jobs.
 const WORK: Duration = Duration::from_millis(4);
 
@@ -150,6 +157,12 @@ impl AppModel {
         for problem in notice.into_iter().chain(problem) {
             state.notices.fail(problem);
         }
+        let mut draft = settings.film.draft();
+        let mut kept_keys = KeptKeys::new(&options.folders);
+        match kept_keys.load(&mut draft) {
+            Ok(told) => told.into_iter().for_each(|told| state.notices.tell(told)),
+            Err(problem) => state.notices.fail(problem),
+        }
         let cache_bytes = (settings.cache_mib as usize) << 20;
         let request = EngineRequest { setting, verify, ..options.request.clone() };
         let request = request.answering(&document.question);
@@ -171,12 +184,13 @@ impl AppModel {
             question_pictures: SmallPictures::default(),
             exports: Exports::default(),
             asking: None,
-            films: Films { command: options.film_command, ..Films::default() },
+            films: Films { draft, command: options.film_command, ..Films::default() },
             estimates: Estimates::default(),
             lab: Lab::new(Figure::Machine),
             request,
             wake,
-            saved: LastSave { settings: None, at: Instant::now() },
+            saved: LastSave::none(),
+            kept_keys,
             measured: Vec::new(),
             spread: ColourSpread::default(),
         }
@@ -243,6 +257,7 @@ impl AppModel {
         if self.state.shown.help {
             actions.extend(help::help(&ctx, &commands));
         }
+        actions.extend(self.ask_before_leaving(&ctx));
         actions.extend(notices::notices(&ctx, &self.state.notices, self.state.now_secs));
         let status = self.status();
         if status.doing.is_some() {
@@ -296,31 +311,5 @@ impl AppModel {
             actions.extend(dropped.map(|file| Action::Open(file.path().to_path_buf())));
             actions
         })
-    }
-
-    /// Saves the settings, including how the window was left.
-    pub fn save(&mut self) {
-        let AppState { look, layers, shown, .. } = &self.state;
-        let Appearance { animate, theme, ui_scale, edges } = *look;
-        let greeted = self.settings.greeted || !shown.card;
-        let settings = self.settings.clone();
-        self.settings =
-            Settings { animate, theme, ui_scale, edges, layers: *layers, greeted, ..settings };
-        self.settings.last_scene = Some(self.state.document());
-        self.saved.at = Instant::now();
-        if self.saved.settings.as_ref() == Some(&self.settings) {
-            return;
-        }
-        if let Err(error) = self.store.save(&self.settings) {
-            log::error!("the settings could not be kept: {error}");
-        }
-        self.saved.settings = Some(self.settings.clone());
-    }
-
-    /// Saves the settings if the last save is some time ago, so that a crash loses little.
-    pub(crate) fn save_sometimes(&mut self) {
-        if self.saved.at.elapsed() > SAVE_EVERY {
-            self.save();
-        }
     }
 }

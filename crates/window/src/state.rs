@@ -35,6 +35,8 @@ pub enum Dialog {
     Card,
     /// The pendulums of all pins, in place of the map.
     Stage,
+    /// The question before the window closes while exports are running.
+    Leaving,
 }
 
 /// The dialogs that are open.
@@ -58,6 +60,8 @@ pub struct OpenDialogs {
     pub stage: bool,
     /// True if the laboratory is shown.
     pub lab: bool,
+    /// True if the user is asked whether the window should close.
+    pub leaving: bool,
     /// Clock of the map, if any; flips after its time are not drawn.
     pub timeline: Option<Playback>,
     /// Animation of the palette.
@@ -165,6 +169,7 @@ impl AppState {
                 card: false,
                 stage: false,
                 lab: false,
+                leaving: false,
                 timeline: None,
                 cycle: ColourCycle::default(),
             },
@@ -308,6 +313,7 @@ impl AppState {
             Dialog::Debug => &mut self.shown.debug,
             Dialog::Card => &mut self.shown.card,
             Dialog::Stage => &mut self.shown.stage,
+            Dialog::Leaving => &mut self.shown.leaving,
         };
         *shown = !*shown;
         if dialog == Dialog::Debug && self.shown.debug {
@@ -335,10 +341,11 @@ impl AppState {
     /// Closes whatever is open.
     pub(super) fn escape(&mut self) {
         self.drawing = None;
-        let OpenDialogs { help, commands, card, stage, lab, .. } = self.shown;
+        let OpenDialogs { help, commands, card, stage, lab, leaving, .. } = self.shown;
         // What lies on top is closed first.
-        let above = help || commands || card;
+        let above = help || commands || card || leaving;
         (self.shown.help, self.shown.commands, self.shown.card) = (false, false, false);
+        self.shown.leaving = false;
         (self.shown.stage, self.shown.lab) = (stage && above, lab && (above || stage));
     }
 }

@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use super::clipboard::Pasted;
+
 /// The reason why the window was woken.
 #[derive(Debug)]
 pub(crate) enum Woken {
@@ -11,6 +13,8 @@ pub(crate) enum Woken {
     News,
     /// The window is to close.
     Quit,
+    /// The clipboard was read.
+    Pasted(Pasted),
     /// A screen reader has a request.
     Accessibility(accesskit_event::Event),
 }

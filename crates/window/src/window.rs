@@ -1,50 +1,27 @@
 //! The system window, which handles events, draws frames and sleeps in between.
 
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
-use winit::dpi::LogicalSize;
 use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::{Fullscreen, Window, WindowId};
 
+use super::action::Action;
 use super::arrivals::Arrivals;
-use super::egui_host::{EguiHost, HostError};
+use super::display::Screens;
+use super::egui_host::EguiHost;
+use super::mishap::{self, plain};
 use super::model::{AppModel, WindowOptions};
 use super::news_pace::NewsPace;
 use super::settings::Theme;
 use super::state::Effect;
 use super::stats::{Holdings, Stats};
 use super::wake::Woken;
-
-/// The reason why the window could not be opened or had to close.
-#[derive(Debug, thiserror::Error)]
-pub enum WindowError {
-    /// No display is available.
-    #[error("no window can be opened here ({0}); use flipmap render for pictures without a window")]
-    Display(#[from] winit::error::EventLoopError),
-    /// The system refused the window.
-    #[error("the system refused the window: {0}")]
-    Window(#[from] winit::error::OsError),
-    /// No graphics device can draw the window.
-    #[error(transparent)]
-    Host(#[from] HostError),
-    /// The graphics device was lost again and again.
-    #[error(
-        "the graphics device was lost again and again; the view was saved. Update the graphics \
-         driver, or look with software graphics"
-    )]
-    Lost,
-    /// The measurements could not be written.
-    #[error("cannot write the measurements to {path}: {source}")]
-    Stats {
-        /// Path of the file.
-        path: String,
-        /// Cause of the failure.
-        source: std::io::Error,
-    },
-}
+pub use super::window_error::WindowError;
 
 /// Shortest time between two frames.
 const FRAME: Duration = Duration::from_micros(16_600);
@@ -53,6 +30,9 @@ const REST: Duration = Duration::from_secs(1);
 /// Largest number of losses within [`LOSSES_WITHIN`] after which the device is opened again.
 const MAX_LOSSES: usize = 5;
 const LOSSES_WITHIN: Duration = Duration::from_secs(60);
+/// What is told if a paste brings no text.
+const NOTHING_TO_PASTE: &str =
+    "Nothing was pasted: the clipboard has no text, or the program that holds it does not answer.";
 
 /// A window that the system has granted, its graphics device, and the model that it shows.
 struct OpenWindow {
@@ -90,7 +70,9 @@ pub fn run(
     begun: Instant,
     hand_out: impl FnOnce(Closer),
 ) -> Result<(), WindowError> {
-    let event_loop = EventLoop::<Woken>::with_user_event().build()?;
+    mishap::tell_panics_plainly();
+    let event_loop = EventLoop::<Woken>::with_user_event().build();
+    let event_loop = event_loop.map_err(|why| WindowError::Display(plain(&why.to_string())))?;
     let closing = event_loop.create_proxy();
     hand_out(Box::new(move || {
         // Once the loop has ended, the window is closed already.
@@ -111,13 +93,31 @@ pub fn run(
         told: true,
         failure: None,
     };
-    event_loop.run_app(&mut runner)?;
-    runner.failure.map_or(Ok(()), Err)
+    let ended = catch_unwind(AssertUnwindSafe(|| event_loop.run_app(&mut runner)));
+    mishap::window_is_open(false);
+    match ended {
+        Ok(Ok(())) => runner.failure.map_or(Ok(()), Err),
+        // The settings were saved when the loop ended.
+        Ok(Err(_)) => Err(WindowError::Gone),
+        Err(panic) => Err(runner.abandon(panic.as_ref())),
+    }
 }
 
 impl Runner {
+    /// Saves what the user would lose by a panic, and returns the error for it. What is left of the
+    /// window is not dropped, since its display may be gone.
+    fn abandon(mut self, panic: &(dyn Any + Send)) -> WindowError {
+        if let Some(mut open) = self.open.take() {
+            save(&mut open.model);
+            std::mem::forget(open);
+        }
+        std::mem::forget(self);
+        WindowError::Panicked(mishap::words_of(panic))
+    }
+
     /// Opens the window. The engine is opened first, on its own thread, because it takes longest.
     fn open(&self, event_loop: &ActiveEventLoop) -> Result<OpenWindow, WindowError> {
+        let screens = Screens::of(event_loop)?;
         let proxy = self.proxy.clone();
         let model = AppModel::new(
             &self.options,
@@ -126,15 +126,13 @@ impl Runner {
                 let _ = proxy.send_event(Woken::News);
             }),
         );
-        let attributes = Window::default_attributes()
-            .with_title("flipmap")
-            // Screen readers must know of the window before it is shown.
-            .with_visible(false)
-            .with_inner_size(LogicalSize::new(1280.0, 800.0))
-            .with_min_inner_size(LogicalSize::new(320.0, 240.0));
-        let window = Arc::new(event_loop.create_window(attributes)?);
-        let host = EguiHost::new(event_loop, &window, &self.proxy, None)?;
+        let window = event_loop.create_window(screens.attributes());
+        let window = window.map_err(|why| WindowError::Window(plain(&why.to_string())))?;
+        let window = Arc::new(window);
+        let host = EguiHost::new(event_loop, &window, &self.proxy, None);
+        let host = host.map_err(|why| screens.odd_depth.map_or(why.into(), WindowError::Depth))?;
         window.set_visible(true);
+        mishap::window_is_open(true);
         Ok(OpenWindow { window, host, model })
     }
 
@@ -221,7 +219,7 @@ impl Runner {
 
     /// Saves the settings and closes the window with an error, since nothing can be drawn any more.
     fn give_up(&mut self, event_loop: &ActiveEventLoop, model: &mut AppModel, why: WindowError) {
-        model.save();
+        save(model);
         self.failure = Some(why);
         event_loop.exit();
     }
@@ -236,9 +234,25 @@ impl Runner {
         self.draw_at(self.last_frame + pause);
     }
 
+    /// Shows a notice.
+    fn tell(&mut self, notice: &str) {
+        if let Some(open) = &mut self.open {
+            open.model.state.notices.tell(notice);
+            self.draw_at(Instant::now());
+        }
+    }
+
+    /// Does at rest what would disturb a moving window: saves the settings, and writes the
+    /// measurements. Returns the moment at which there is more to save, if there is.
+    fn rest(&mut self) -> Option<Instant> {
+        let save_at = self.open.as_mut().and_then(|open| open.model.save_at_rest());
+        self.write_measurements();
+        save_at
+    }
+
     /// Writes the measurements if the view is complete and nothing moves, so that writing does not
     /// disturb what is measured.
-    fn rest(&mut self) {
+    fn write_measurements(&mut self) {
         let (Some(open), Some(path)) = (&self.open, &self.options.stats) else { return };
         let progress = open.model.progress();
         let still = !open.model.state.dragging && progress.done == progress.wanted;
@@ -250,13 +264,20 @@ impl Runner {
 
     fn close(&mut self) {
         let Some(mut open) = self.open.take() else { return };
-        open.model.save();
+        save(&mut open.model);
         if let Some(path) = &self.options.stats
             && let Err(source) = self.stats.report(Holdings::of(&open.model)).write(path)
         {
             let path = path.display().to_string();
             self.failure = Some(WindowError::Stats { path, source });
         }
+    }
+}
+
+/// Saves what a model keeps while no notice can be shown any more.
+fn save(model: &mut AppModel) {
+    if let Some(problem) = model.save() {
+        log::error!("{problem}");
     }
 }
 
@@ -309,7 +330,12 @@ impl ApplicationHandler<Woken> for Runner {
                 self.draw(event_loop);
                 self.recover(event_loop);
             }
-            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
+            WindowEvent::CloseRequested => {
+                let effects = open.model.act(vec![Action::Quit]);
+                effects.into_iter().for_each(|effect| self.perform(event_loop, effect));
+                self.draw_at(Instant::now());
+            }
+            WindowEvent::Destroyed => event_loop.exit(),
             event => {
                 let repaint = open.host.on_event(&event, self.arrivals.earliest());
                 if is_input(&event) {
@@ -329,6 +355,11 @@ impl ApplicationHandler<Woken> for Runner {
             Woken::Draw(moment) => self.draw_at(moment),
             Woken::News => self.news(),
             Woken::Quit => event_loop.exit(),
+            Woken::Pasted(pasted) => {
+                if self.open.as_mut().is_some_and(|open| open.host.paste(pasted)) {
+                    self.tell(NOTHING_TO_PASTE);
+                }
+            }
             Woken::Accessibility(event) => {
                 if let Some(open) = &mut self.open {
                     open.host.on_accessibility(event);
@@ -350,14 +381,14 @@ impl ApplicationHandler<Woken> for Runner {
                 // being computed.
                 let refines =
                     || open.as_ref().is_some_and(|open| open.model.compute.explorer.refines());
-                if moment > now + REST || refines() {
-                    self.rest();
-                }
-                event_loop.set_control_flow(ControlFlow::WaitUntil(moment));
+                let is_at_rest = moment > now + REST || refines();
+                let save_at = if is_at_rest { self.rest() } else { None };
+                let next = save_at.map_or(moment, |save_at| save_at.min(moment));
+                event_loop.set_control_flow(ControlFlow::WaitUntil(next));
             }
             (None, _) => {
-                self.rest();
-                event_loop.set_control_flow(ControlFlow::Wait);
+                let next = self.rest().map_or(ControlFlow::Wait, ControlFlow::WaitUntil);
+                event_loop.set_control_flow(next);
             }
         }
         self.arrivals.wait(now);

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::png::{PngError, document_in_png};
 use flipmap_engine::plain_file::{open_plain, read_text};
+use flipmap_scene::palette::gradient::ENDINGS;
 use flipmap_scene::{BuiltIn, Document, DocumentError};
 
 /// Reasons why a file has no scene.
@@ -51,8 +52,11 @@ pub enum ReadError {
         /// A suggestion of a similar name; empty if there is none.
         meant: String,
     },
-    /// A file of neither kind.
-    #[error("{path} is neither a .png that flipmap wrote nor a .toml scene")]
+    /// A file of no kind that the window opens.
+    #[error(
+        "{path} is neither a .png that flipmap wrote, nor a .toml scene, nor a gradient (.{})",
+        ENDINGS.join(", .")
+    )]
     Kind {
         /// Path of the file.
         path: PathBuf,
@@ -107,7 +111,11 @@ mod tests {
             std::fs::write(&path, text).unwrap();
             read_document(&path).unwrap_err().to_string()
         };
-        assert!(file("a.txt", "").contains("a.txt is neither"));
+        let other = file("a.txt", "");
+        assert!(other.contains("a.txt is neither"), "{other}");
+        for kind in [".png", ".toml", ".map", ".ugr", ".gpl"] {
+            assert!(other.contains(kind), "{other}");
+        }
         for name in ["a.jpg", "a.webp", "a.TIFF", "a.gif", "a.bmp", "a.avif"] {
             assert!(file(name, "").contains("carries no scene"), "{name}");
         }
