@@ -140,7 +140,7 @@ pub(crate) fn settings(bytes: &[u8]) {
     #[cfg(feature = "window")]
     {
         use flipmap_window::folders::Folders;
-        use flipmap_window::settings::Store;
+        use flipmap_window::store::Store;
         let folder = tempfile::tempdir().expect("a folder for the file");
         let folders = Folders::under(folder.path());
         let config = folders.config.clone().expect("a folder of settings");

@@ -133,8 +133,7 @@ fn the_bar_of_tools_does_what_its_names_say_and_goes_with_the_panels() {
         settle(&mut desktop);
         assert_eq!(desktop.state().state.camera, there, "{tool}");
     }
-    for (tool, control) in [("Colours", "Equalise to this view"), ("Export a picture", "Browse…")]
-    {
+    for (tool, control) in [("Colours", "Equalise to this view"), ("Picture & film", "Browse…")] {
         assert!(desktop.query_by_label(control).is_none(), "{tool}");
         click(&mut desktop, tool);
         desktop.run_steps(20);

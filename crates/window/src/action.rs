@@ -120,6 +120,10 @@ pub enum Action {
     TryAgain,
     /// Shows or hides layers.
     Layers(Layers),
+    /// Saves the map as it is on the screen.
+    SavePicture,
+    /// Copies the map as it is on the screen.
+    CopyPicture,
     /// Opens a panel at the side.
     Panel(&'static str),
     /// Opens a section of the side panel, or closes the panel if it shows the section.

@@ -73,8 +73,9 @@ impl AppModel {
         if self.state.layers.legend
             && let Ok(colours) = AnswerColours::new(&scene, &self.state.picture)
         {
-            let (ask, palette) = (scene.question.ask, &self.state.picture.palette);
-            map_legend(ui.ctx(), rect, &colours, ask, palette);
+            let of = (scene.question.ask, self.state.picture.palette.as_str());
+            let has_failed = self.compute.explorer.counts().failed > 0;
+            map_legend(ui.ctx(), rect, &colours, of, has_failed);
         }
         self.swing_at_pointer(ui, rect, &scene, hovered);
         pendulum::next_frame(ui, &self.state.pins);

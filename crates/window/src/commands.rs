@@ -153,6 +153,10 @@ fn doing(state: &AppState) -> Vec<Command> {
         command("Relief", [key(PLAIN, Key::R)], Action::Picture(switched(&state.picture)))
             .also("light shadow emboss shading landscape"),
         command("Open a scene or a picture…", ctrl(Key::O), Action::AskForFile),
+        command("Save the picture on the screen", ctrl(Key::S), Action::SavePicture)
+            .also("screenshot png export"),
+        command("Copy the picture on the screen", ctrl(Key::C), Action::CopyPicture)
+            .also("clipboard share"),
         command("Copy the location", ctrl(Key::L), Action::CopyLocation).also("share link"),
         command("Accuracy: lesson", [], accuracy(Accuracy::Lesson)),
         command("Accuracy: fast", [], accuracy(Accuracy::Fast)),

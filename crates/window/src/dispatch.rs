@@ -8,6 +8,7 @@ use super::dialog::{DialogAnswer, FileDialog};
 use super::integration::Integration;
 use super::model::{AppModel, Asking};
 use super::pin_start::PinStart;
+use super::screen_picture::free_path;
 use super::settings::Settings;
 use super::state::Effect;
 use flipmap_engine::choice::EngineRequest;
@@ -76,6 +77,12 @@ impl AppModel {
                 let reopens = state.paste(&text);
                 self.follow(reopens);
             }
+            Action::SavePicture => {
+                let folder = Path::new(&self.forms.export.path).parent().unwrap_or(Path::new("."));
+                let path = free_path(folder);
+                return Some(Effect::SavePicture(Box::new(state.document()), path));
+            }
+            Action::CopyPicture => return Some(Effect::CopyPicture(Box::new(state.document()))),
             Action::CopyLocation => return Some(Effect::Copy(state.copied_location())),
             Action::Find(angle) => state.find(angle),
             Action::HoldNotices => state.notices.hold(),

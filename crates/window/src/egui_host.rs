@@ -16,6 +16,7 @@ use winit::window::Window;
 
 use super::arrivals::{FrameTime, FrameTimes};
 use super::canvas::LAYERS;
+use super::canvas::copied::CopiedPicture;
 use super::canvas::pipeline::Canvas;
 use super::clipboard::{ClipboardReader, Pasted, take_keys};
 use super::wake::Woken;
@@ -153,6 +154,13 @@ impl EguiHost {
                 first.get_or_insert_with(|| error.to_string());
             }
         }));
+    }
+
+    /// Begins to copy the map as it is on the screen; none before the first frame.
+    pub(crate) fn copied_map(&self) -> Option<CopiedPicture> {
+        let state = self.painter.render_state()?;
+        let renderer = state.renderer.read();
+        renderer.callback_resources.get::<Canvas>()?.copied(&state.device, &state.queue)
     }
 
     /// Returns true if the device can no longer draw.

@@ -85,6 +85,7 @@ pub mod places;
 mod reach;
 mod resize;
 mod saving;
+mod screen_picture;
 pub mod sections;
 pub mod settings;
 mod settings_file;

@@ -6,10 +6,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::Ui;
+use egui::{ColorImage, Ui};
 
 use super::action::Action;
 use super::canvas::MapRenderer;
+use super::canvas::copied::CopiedPicture;
 use super::commands::{choices, commands};
 use super::compute_service::{ComputeService, Wake};
 use super::descent::Drawn;
@@ -32,6 +33,7 @@ use super::panels::view::ViewForm;
 use super::panels::{help, notices};
 use super::places::Places;
 use super::saving::LastSave;
+use super::screen_picture::{SavedPictures, marked};
 use super::settings::{Appearance, Settings};
 use super::small_pictures::SmallPictures;
 use super::spread::ColourSpread;
@@ -109,6 +111,7 @@ pub struct AppModel {
     pub(super) forms: Forms,
     pub(super) thumbnails: Thumbnails,
     pub(super) question_pictures: SmallPictures,
+    saved_pictures: SavedPictures,
     pub(super) exports: Exports,
     pub(super) asking: Option<Asking>,
     /// Films, and the descent that may become one.
@@ -182,6 +185,7 @@ impl AppModel {
             places,
             thumbnails: Thumbnails::default(),
             question_pictures: SmallPictures::default(),
+            saved_pictures: SavedPictures::default(),
             exports: Exports::default(),
             asking: None,
             films: Films { draft, command: options.film_command, ..Films::default() },
@@ -199,9 +203,10 @@ impl AppModel {
     /// Sets the view target of the engine and takes what it has finished. Returns true if there is
     /// anything new to draw.
     pub fn work(&mut self) -> bool {
+        let told = self.tell_of_pictures();
         // A hidden map can wait.
         if self.lab_hides_map() {
-            return false;
+            return told;
         }
         let (state, wake) = (&mut self.state, &self.wake);
         let settled = self.compute.config().is_some_and(|config| state.make_answerable(config))
@@ -227,7 +232,7 @@ impl AppModel {
         let spread = self.spread.follow(state, &mut self.compute.explorer, complete);
         let config = self.compute.config().filter(|_| complete && stays);
         let foreseen = self.estimates.forecast.follow(state, config, wake);
-        settled || turn.news || spread || news || foreseen
+        told || settled || turn.news || spread || news || foreseen
     }
 
     /// Returns the progress of the view.
@@ -295,6 +300,38 @@ impl AppModel {
         self.act(actions)
     }
 
+    /// Begins to write a picture of the map on the screen.
+    pub(crate) fn write_picture(&mut self, copied: CopiedPicture, of: Document, path: PathBuf) {
+        self.saved_pictures.begin(copied, of, path, Arc::clone(&self.wake));
+    }
+
+    /// Returns a copy of the map on the screen as an image, and tells the user of it.
+    pub(crate) fn image(&mut self, copied: CopiedPicture, of: &Document) -> Option<ColorImage> {
+        let size = copied.size_px.map(|side| side as usize);
+        match marked(copied, of) {
+            Ok(rgb) => {
+                self.state.notices.tell("The picture was copied.");
+                Some(ColorImage::from_rgb(size, &rgb))
+            }
+            Err(problem) => {
+                self.state.notices.fail(format!("The picture was not copied: {problem}."));
+                None
+            }
+        }
+    }
+
+    /// Tells what has become of pictures that were being written.
+    fn tell_of_pictures(&mut self) -> bool {
+        let news = self.saved_pictures.news();
+        for written in &news {
+            match written {
+                Ok(path) => self.state.notices.tell(format!("Saved as {}.", path.display())),
+                Err(problem) => self.state.notices.fail(format!("Not saved: {problem}.")),
+            }
+        }
+        !news.is_empty()
+    }
+
     /// Returns the actions that the keyboard, the clipboard and dropped files ask for.
     fn keys(&self, ctx: &egui::Context) -> Vec<Action> {
         let typing = ctx.egui_wants_keyboard_input();
@@ -305,6 +342,9 @@ impl AppModel {
             for event in &input.events {
                 if let (egui::Event::Paste(text), false) = (event, typing) {
                     actions.push(Action::Paste(text.clone()));
+                }
+                if matches!(event, egui::Event::Copy) && !typing && !hidden {
+                    actions.push(Action::CopyPicture);
                 }
             }
             let dropped = input.raw.dropped_files.iter();

@@ -1,5 +1,7 @@
 //! The state of the window as plain data, and how actions change it.
 
+use std::path::PathBuf;
+
 use glam::DVec2;
 
 use super::auto_budget::following;
@@ -77,6 +79,10 @@ pub enum Effect {
     FullScreen,
     /// Puts a text into the clipboard.
     Copy(String),
+    /// Saves the map as it is on the screen as the picture of a document.
+    SavePicture(Box<Document>, PathBuf),
+    /// Copies the map as it is on the screen, with the marks of a document.
+    CopyPicture(Box<Document>),
     /// Destroys the graphics device.
     #[cfg(feature = "rigs")]
     LoseDevice,

@@ -287,7 +287,16 @@ mod tests {
 
     fn progress(done: usize, covered: bool) -> ViewProgress {
         let (share, idle) = (done as f64 / 10.0, done == 10);
-        ViewProgress { level: 3, wanted: 10, done, share, covered, idle, refines: false }
+        ViewProgress {
+            level: 3,
+            wanted: 10,
+            done,
+            share,
+            way: share,
+            covered,
+            idle,
+            refines: false,
+        }
     }
 
     #[test]

@@ -72,8 +72,6 @@ impl Legend {
     }
 }
 
-/// Longest value, in letters, that leaves room for values at the quarters of the bar.
-const LONG: usize = 5;
 /// Colour of the frames around colours that may be as dark as the legend.
 const FRAME: Rgb = [0x90; 3];
 
@@ -161,12 +159,20 @@ impl Sheet {
                 self.write(&label, left + length * place as f32, below, 0.5);
             }
         } else {
-            let BarLabels { from, values } = colours.bar_labels();
+            let BarLabels { from, ticks } = colours.bar_labels();
             let from = from.map_or(String::new(), |from| format!(" − {from}"));
             self.write(&format!("{name}{from}{unit}"), left, self.next, 0.0);
-            let step = if values.iter().any(|value| value.chars().count() > LONG) { 2 } else { 1 };
-            for (value, align) in values.iter().zip([0.0, 0.25, 0.5, 0.75, 1.0]).step_by(step) {
-                self.write(value, left + length * align, below, align);
+            for (place, label) in ticks {
+                let share = f32::from(place) / 1000.0;
+                // The first and the last label stay over the bar.
+                let align = if share < 0.04 {
+                    0.0
+                } else if share > 0.96 {
+                    1.0
+                } else {
+                    0.5
+                };
+                self.write(&label, left + length * share, below, align);
             }
         }
         self.next = top + 3.1 * letter;

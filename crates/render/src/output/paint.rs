@@ -149,6 +149,14 @@ impl RowPainter {
         pixels
     }
 
+    /// Draws the energy curve and the legend over the colours of a whole picture, which were
+    /// painted elsewhere; returns its pixels as RGB bytes.
+    pub fn marked(&self, colours: &[Rgb]) -> Vec<u8> {
+        let mut tints: Vec<Tint> = colours.iter().copied().map(tint_of).collect();
+        self.mark(&mut tints);
+        tints.into_iter().flat_map(rounded).collect()
+    }
+
     /// Draws the energy curve and the legend over the next rows.
     fn mark(&self, pixels: &mut [Tint]) {
         if !self.curve && self.legend.is_none() {

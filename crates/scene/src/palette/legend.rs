@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::answers::{AnswerColours, Way, torus};
 use super::steps::WholeNumbers;
+use super::ticks::{BarLabels, round_labels};
 use super::{Rgb, rounded};
 use crate::question::QuestionName;
 
@@ -14,16 +15,6 @@ pub struct LegendTitle {
     pub name: &'static str,
     /// The unit.
     pub unit: &'static str,
-}
-
-/// Labels at the start, the quarters and the end of a bar, with just enough digits to differ from
-/// each other. If that takes too many digits, the labels are differences from the first value.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BarLabels {
-    /// The value that is subtracted from the others, if the labels are differences.
-    pub from: Option<String>,
-    /// The labels, without the unit.
-    pub values: [String; 5],
 }
 
 impl AnswerColours {
@@ -84,9 +75,14 @@ impl AnswerColours {
         Some(self.whole_numbers()?.labels(letters))
     }
 
-    /// Returns the labels of the bar.
+    /// Returns the labels of the bar, at round values; angles have theirs in parts of π.
     pub fn bar_labels(&self) -> BarLabels {
-        labels([0.0, 0.25, 0.5, 0.75, 1.0].map(|share| self.value_along(share)))
+        if let Way::Angle(..) = self.way {
+            let ticks = [(0, "−π"), (250, "−π/2"), (500, "0"), (750, "π/2"), (1000, "π")];
+            let ticks = ticks.map(|(place, label)| (place, label.to_string())).into();
+            return BarLabels { from: None, ticks };
+        }
+        round_labels(|share| self.value_along(share))
     }
 
     /// Returns the name and unit of the quantity along the bar.
@@ -104,36 +100,6 @@ impl AnswerColours {
             Way::EnergySplit(..) => LegendTitle { name: "kinetic share of the energy", unit: "" },
         }
     }
-}
-
-fn labels(values: [f64; 5]) -> BarLabels {
-    for count in 3..=6 {
-        let words = values.map(|value| digits(value, count));
-        if (1..5).all(|k| words[k] != words[k - 1]) {
-            return BarLabels { from: None, values: words };
-        }
-    }
-    let from = values[0];
-    let differences = values.map(|value| match value - from {
-        0.0 => "0".to_string(),
-        difference => format!("{difference:+.1e}").replace('-', "−"),
-    });
-    BarLabels { from: Some(digits(from, 13)), values: differences }
-}
-
-/// Formats a value to `count` significant digits.
-fn digits(value: f64, count: i32) -> String {
-    if value == 0.0 {
-        return "0".to_string();
-    }
-    let last = f64::from(count - 1) - value.abs().log10().floor();
-    let decimals = last.clamp(0.0, 15.0) as usize;
-    let unit = 10f64.powf(-last);
-    let rounded = if last < 0.0 { (value / unit).round() * unit } else { value };
-    let text = format!("{rounded:.decimals$}");
-    let text =
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    text.replace('-', "−")
 }
 
 #[cfg(test)]
@@ -211,27 +177,5 @@ mod tests {
         assert!(colours.is_square());
         let painted = colours.colour(Status::Answered, &[PI / 2.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert_eq!(colours.colour_in_square([0.75, 0.5]), painted);
-    }
-
-    #[test]
-    fn values_are_short() {
-        let cases =
-            [(0.319, "0.319"), (30.0, "30"), (-1.5, "−1.5"), (12345.0, "12300"), (0.0, "0")];
-        for (value, text) in cases {
-            assert_eq!(digits(value, 3), text);
-        }
-    }
-
-    #[test]
-    fn values_of_a_narrow_view_are_told_apart() {
-        let BarLabels { from, values } = labels([1.0, 1.5, 2.0, 2.5, 3.0]);
-        assert_eq!((from, values.join(" ").as_str()), (None, "1 1.5 2 2.5 3"));
-        let BarLabels { from, values } = labels([59.99, 59.992, 59.994, 59.996, 59.998]);
-        assert_eq!((from, values[1].as_str()), (None, "59.992"));
-        let BarLabels { from, values } = labels([0.0, 1e-9, 2e-9, 3e-9, 4e-9].map(|by| 60.0 + by));
-        assert_eq!(
-            (from, values.join(" ").as_str()),
-            (Some("60".to_string()), "0 +1.0e−9 +2.0e−9 +3.0e−9 +4.0e−9")
-        );
     }
 }

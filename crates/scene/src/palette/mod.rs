@@ -9,15 +9,17 @@ mod random;
 mod relief;
 mod spread;
 mod steps;
+mod ticks;
 mod time_scale;
 mod tones;
 
 pub use answers::AnswerColours;
 pub use ground::{Ground, GroundTable, colour_text};
-pub use legend::{BarLabels, LegendTitle};
+pub use legend::LegendTitle;
 pub use random::random_palette;
 pub use relief::Relief;
 pub use spread::ViewTimes;
+pub use ticks::BarLabels;
 pub use time_scale::TimeScale;
 pub use tones::{Lookup, Tones, budget_range_secs, equalised, rise};
 

@@ -4,6 +4,7 @@
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use super::copied::CopiedPicture;
 use super::kept::{KeptPicture, KeptTarget};
 use flipmap_render::Denoiser;
 use flipmap_scene::palette::{Ground, Rgb};
@@ -23,10 +24,6 @@ type Pixels = JoinHandle<Option<Vec<u8>>>;
 
 /// Time between two pictures while finer samples come in, so that these have the processor.
 const PAUSE: Duration = Duration::from_secs(2);
-/// Longest time that the card may take to finish the frames before a picture is read back.
-const PATIENCE: Duration = Duration::from_secs(10);
-/// Alignment of the rows of a texture that is read back, in bytes.
-const ROW_UNIT: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
 
 impl CalmPicture {
     /// Denoises the kept picture if it rests on a ground, and forgets all pictures if it moves or is
@@ -95,40 +92,9 @@ fn read_back(
     kept: &KeptPicture,
     ground: Ground,
 ) -> Option<Pixels> {
-    use wgpu::TextureFormat::{Bgra8Unorm, Bgra8UnormSrgb, Rgba8Unorm, Rgba8UnormSrgb};
-    let (texture, [width, height]) = kept.texture()?;
-    let reversed = match texture.format() {
-        Rgba8Unorm | Rgba8UnormSrgb => false,
-        Bgra8Unorm | Bgra8UnormSrgb => true,
-        _ => return None,
-    };
-    let row_bytes = (4 * width).next_multiple_of(ROW_UNIT);
-    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("kept picture"),
-        size: u64::from(row_bytes) * u64::from(height),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let layout = wgpu::TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(row_bytes),
-        rows_per_image: None,
-    };
-    let to = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-    encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
-    let submission = queue.submit([encoder.finish()]);
-    buffer.map_async(wgpu::MapMode::Read, .., |_| {});
-    let device = device.clone();
-    let denoise = move || {
-        let submission_index = Some(submission);
-        let wait = wgpu::PollType::Wait { submission_index, timeout: Some(PATIENCE) };
-        device.poll(wait).ok()?;
-        let bytes = buffer.slice(..).get_mapped_range().ok()?;
-        let rows = bytes.chunks(row_bytes as usize).flat_map(|row| &row[..4 * width as usize]);
-        let pixels: Vec<u8> = rows.copied().collect();
-        Some(denoised(pixels, width as usize, ground, reversed))
-    };
+    let copied = CopiedPicture::begin(device, queue, kept.target()?)?;
+    let (width, is_reversed) = (copied.size_px[0] as usize, copied.is_reversed);
+    let denoise = move || Some(denoised(copied.bytes()?, width, ground, is_reversed));
     std::thread::Builder::new().name("denoise".into()).spawn(denoise).ok()
 }
 

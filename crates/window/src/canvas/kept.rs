@@ -27,6 +27,13 @@ pub(crate) struct KeptTarget {
     bindings: wgpu::BindGroup,
 }
 
+impl KeptTarget {
+    /// Returns the texture and its size in pixels.
+    pub(crate) fn texture(&self) -> (&wgpu::Texture, [u32; 2]) {
+        (&self.texture, self.size_px)
+    }
+}
+
 /// The content of a picture.
 #[derive(Clone, Default)]
 struct Content {
@@ -127,9 +134,9 @@ impl KeptPicture {
         self.content.version
     }
 
-    /// Returns the picture's texture and size in pixels; none before the first frame.
-    pub(crate) fn texture(&self) -> Option<(&wgpu::Texture, [u32; 2])> {
-        self.target.as_ref().map(|target| (&target.texture, target.size_px))
+    /// Returns the picture; none before the first frame.
+    pub(crate) fn target(&self) -> Option<&KeptTarget> {
+        self.target.as_ref()
     }
 
     /// Returns a texture like the picture's with these pixels, four bytes each; none if they are

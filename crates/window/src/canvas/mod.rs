@@ -12,6 +12,7 @@ pub(crate) mod atlas;
 mod callback;
 pub(crate) mod calm;
 pub(crate) mod colours;
+pub(crate) mod copied;
 pub(crate) mod cover;
 pub(crate) mod fading;
 pub(crate) mod glide;

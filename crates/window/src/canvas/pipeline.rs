@@ -9,6 +9,7 @@ use wgpu::util::DeviceExt;
 
 use super::atlas::{SLOTS_ALONG, SLOTS_IN_LAYER};
 use super::calm::CalmPicture;
+use super::copied::CopiedPicture;
 use super::kept::{Changes, DrawingSurface, KeptPicture};
 use super::sample::WordKind;
 use crate::camera::Screen;
@@ -160,6 +161,17 @@ struct Brush {
 const MAX_TAPS: u32 = 7;
 
 impl Canvas {
+    /// Begins to copy the map as it is on the screen, without what is drawn over it; none before
+    /// the first frame.
+    pub(crate) fn copied(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Option<CopiedPicture> {
+        let shown = self.calm.shown().or(self.kept.target())?;
+        CopiedPicture::begin(device, queue, shown)
+    }
+
     /// Creates the resources, with an atlas of `layers` layers, for a target format.
     pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat, layers: u32) -> Self {
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {

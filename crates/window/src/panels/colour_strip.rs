@@ -6,9 +6,17 @@ use super::field::plain;
 use flipmap_scene::palette::{AnswerColours, BarLabels, FAILED, Ground, Rgb};
 use flipmap_scene::question::QuestionName;
 
-/// Shows all colours with values under them, and those of pixels without an answer.
-pub(super) fn legend(ui: &mut Ui, colours: &AnswerColours, ask: QuestionName, palette: &str) {
+/// Shows all colours with a title above and values under them, and those of pixels without an
+/// answer; that of failed pixels only if the view `has_failed` ones.
+pub(super) fn legend(
+    ui: &mut Ui,
+    colours: &AnswerColours,
+    (ask, palette): (QuestionName, &str),
+    has_failed: bool,
+) {
     let unit = colours.title(ask).unit;
+    let in_unit = if unit.is_empty() { String::new() } else { format!("  ({unit})") };
+    ui.label(format!("{}{in_unit}", ask.kind().asks));
     if colours.is_square() {
         square(ui, colours);
     } else {
@@ -22,7 +30,10 @@ pub(super) fn legend(ui: &mut Ui, colours: &AnswerColours, ask: QuestionName, pa
     let without = if ask.is_time() { "not within the budget" } else { without };
     ui.horizontal_wrapped(|ui| {
         let Ground { unflipped, forbidden, .. } = colours.ground();
-        for (colour, what) in [(unflipped, without), (forbidden, "forbidden"), (FAILED, "failed")] {
+        let failed = has_failed.then_some((FAILED, "failed"));
+        for (colour, what) in
+            [(unflipped, without), (forbidden, "forbidden")].into_iter().chain(failed)
+        {
             let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), Sense::hover());
             ui.painter().rect_filled(rect, 2.0, Color32::GRAY);
             ui.painter().rect_filled(rect.shrink(1.0), 2.0, rgb(colour));
@@ -51,7 +62,7 @@ fn square(ui: &mut Ui, colours: &AnswerColours) {
     ui.label("θ1 across, θ2 up, −π to π");
 }
 
-/// Shows values at the quarters of the strip, or at its steps.
+/// Shows round values along the strip, or those of its steps.
 fn ticks(ui: &mut Ui, strip: Rect, colours: &AnswerColours, unit: &str) {
     let (rect, _) = ui.allocate_exact_size(vec2(strip.width(), 16.0), Sense::hover());
     let font = egui::TextStyle::Small.resolve(ui.style());
@@ -65,18 +76,18 @@ fn ticks(ui: &mut Ui, strip: Rect, colours: &AnswerColours, unit: &str) {
         }
         return;
     }
-    let BarLabels { from, values } = colours.bar_labels();
-    let long = values.iter().any(|value| value.chars().count() > LONG);
-    for (quarter, value) in (0..=4u8).zip(values).step_by(if long { 2 } else { 1 }) {
-        let align = match quarter {
-            0 => Align2::LEFT_TOP,
-            4 => Align2::RIGHT_TOP,
+    let BarLabels { from, ticks } = colours.bar_labels();
+    for (place, label) in ticks {
+        let share = f32::from(place) / 1000.0;
+        // The first and the last label stay over the bar.
+        let align = match share {
+            s if s < 0.04 => Align2::LEFT_TOP,
+            s if s > 0.96 => Align2::RIGHT_TOP,
             _ => Align2::CENTER_TOP,
         };
-        let x = rect.left() + rect.width() * f32::from(quarter) / 4.0;
+        let x = rect.left() + rect.width() * share;
         ui.painter().vline(x, rect.top() - 3.0..=rect.top(), (1.0, ink));
-        let text = format!("{value} {unit}").trim_end().to_string();
-        ui.painter().text(pos2(x, rect.top() + 1.0), align, text, font.clone(), ink);
+        ui.painter().text(pos2(x, rect.top() + 1.0), align, label, font.clone(), ink);
     }
     if let Some(from) = from {
         ui.small(format!("later than {from} {unit}"));
@@ -85,9 +96,6 @@ fn ticks(ui: &mut Ui, strip: Rect, colours: &AnswerColours, unit: &str) {
 
 /// Width of a small letter in points.
 const LETTER_POINTS: f32 = 6.0;
-/// Number of letters beyond which a value leaves no room for values at the quarters.
-const LONG: usize = 6;
-
 /// Draws a band of colours from left to right.
 pub(super) fn strip(ui: &mut Ui, height: f32, colour: impl Fn(f64) -> Rgb) -> Response {
     const STEPS: u32 = 256;

@@ -38,7 +38,7 @@ pub fn colours_panel(
         return back(ui, picture);
     };
     let mut new = picture.clone();
-    legend(ui, &colours, question.ask, picture.palette.as_str());
+    legend(ui, &colours, (question.ask, &picture.palette), false);
     if question.ask.kind().channels.len() > 1 {
         channels(ui, &mut new, question.ask);
     }

@@ -17,8 +17,8 @@ pub(crate) fn map_legend(
     ctx: &Context,
     map: Rect,
     colours: &AnswerColours,
-    ask: QuestionName,
-    palette: &str,
+    of: (QuestionName, &str),
+    has_failed: bool,
 ) {
     let width = WIDTH_POINTS.min(map.width() - 4.0 * MARGIN_POINTS);
     if width <= 0.0 {
@@ -30,7 +30,7 @@ pub(crate) fn map_legend(
         let fill = ui.visuals().window_fill.gamma_multiply(0.85);
         Frame::popup(ui.style()).fill(fill).show(ui, |ui| {
             ui.set_width(width);
-            legend(ui, colours, ask, palette);
+            legend(ui, colours, of, has_failed);
         });
     });
 }

@@ -11,6 +11,7 @@ use egui::{Atom, Button, Response, Role, Slider, Stroke, Ui, WidgetInfo, vec2};
 use crate::flight::playback::SPEEDS;
 use crate::pins::{Pin, PinAction, Pins};
 use flipmap_lab::drawing::{CANVAS, FAINT, INK};
+use flipmap_lab::number_text::fixed;
 
 pub(crate) use drawing::miniature;
 
@@ -109,7 +110,7 @@ fn clock(ui: &mut Ui, pins: &Pins, pin: &Pin, actions: &mut Vec<PinAction>) {
         if ui.add(slider).labelled_by(name.id).changed() {
             actions.push(PinAction::Speed(speed));
         }
-        ui.label(format!("{speed:.2} ×"));
+        ui.label(format!("{} ×", fixed(speed, 2)));
     });
 }
 
@@ -120,7 +121,7 @@ fn moment(ui: &mut Ui, pins: &Pins, pin: &Pin, actions: &mut Vec<PinAction>) {
     let name = ui
         .horizontal(|ui| {
             let name = ui.label("Time");
-            ui.label(format!("{secs:.2} of {} s", facts::round_secs(end_secs)));
+            ui.label(format!("{} of {} s", fixed(secs, 2), facts::round_secs(end_secs)));
             name
         })
         .inner;

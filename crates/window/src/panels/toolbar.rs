@@ -33,7 +33,7 @@ pub(crate) fn toolbar(
         Tool { enabled: back, ..tool("Go back", Icon::back, Action::Look(Look::Back)) },
         Tool { enabled: forward, ..tool("Go forward", Icon::forward, Action::Look(Look::Forward)) },
         tool("Dive, or stop", Icon::deeper, Action::GoDeeper),
-        tool("Export a picture", Icon::export, Action::Panel("Export")),
+        tool("Save the picture on the screen", Icon::export, Action::SavePicture),
         tool("List the keys", Icon::help, Action::Toggle(Dialog::Help)),
     ];
     let mut actions = Vec::new();

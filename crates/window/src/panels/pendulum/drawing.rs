@@ -10,6 +10,7 @@ use super::{CANVAS, FAINT, INK, TimeColour};
 use crate::overlay::disc_beside;
 use crate::pins::{Pin, Pins};
 use flipmap_lab::drawing::corner_inside;
+use flipmap_lab::number_text::fixed;
 use flipmap_pendulum::State;
 use flipmap_scene::{Kind, PendulumSpec};
 
@@ -74,8 +75,10 @@ fn told(pin: &Pin, state: Option<&State<f64>>) -> String {
     let letter = pin.badge.letter();
     match state {
         Some(State { angle: [theta1, theta2], .. }) => format!(
-            "Pendulum {letter} at {:.2} s: θ1 is {theta1:.3} rad, θ2 is {theta2:.3} rad",
-            pin.shown_secs()
+            "Pendulum {letter} at {} s: θ1 is {} rad, θ2 is {} rad",
+            fixed(pin.shown_secs(), 2),
+            fixed(*theta1, 3),
+            fixed(*theta2, 3)
         ),
         None => format!("Pendulum {letter} is being let go"),
     }
@@ -173,7 +176,7 @@ impl<'a> PendulumCanvas<'a> {
         painter.circle_stroke(place, radius, Stroke::new(2.0, INK));
         let late = flip.secs.hi > pin.flight.question().budget_secs;
         let note = if late { ", after the budget" } else { "" };
-        let text = format!("flip at {:.3} s{note}", flip.secs.hi);
+        let text = format!("flip at {} s{note}", fixed(flip.secs.hi, 3));
         let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), INK);
         // Above the ring, but inside the canvas.
         let above = place - vec2(galley.size().x / 2.0, radius + galley.size().y + 2.0);
