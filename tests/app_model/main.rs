@@ -55,7 +55,10 @@ fn model_of(options: &WindowOptions) -> Desktop {
         model.work();
         model.show(ui);
     };
-    let mut desktop = Harness::builder().with_size([720.0, 440.0]).build_ui_state(show, model);
+    let mut desktop = Harness::builder()
+        .with_context_setup(flipmap_lab::typeface::install)
+        .with_size([720.0, 440.0])
+        .build_ui_state(show, model);
     settle(&mut desktop);
     desktop
 }

@@ -23,7 +23,7 @@ fn another_question_on_another_plane_is_shown_flown_and_left_again() {
     assert!((here.view.width_rad().hi - 3.0).abs() < 1e-9, "{}", here.view.width);
     let middle: f64 = here.view.center[1].parse().unwrap();
     assert!((middle + 1.5).abs() < 1e-9);
-    let name = "Map around θ1 2.0000 rad, ω1 -1.5000 rad/s, 3.000e0 rad wide";
+    let name = "Map around θ1 2.0000 rad, ω1 -1.5000 rad/s, 3 rad wide";
     assert!(desktop.query_by_label_contains(name).is_some());
 
     press(&mut desktop, Modifiers::NONE, Key::P);
@@ -89,7 +89,7 @@ fn every_method_answers_every_question() {
         assert_eq!(desktop.state().state.integration.spec.setting, setting);
         let counts = counts(&desktop);
         assert_eq!(counts.forbidden, 0, "every pendulum may return: {counts:?}");
-        assert!(counts.simulated > 40_000);
+        assert!(counts.simulated > 10_000);
     }
 }
 

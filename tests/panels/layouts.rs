@@ -101,13 +101,16 @@ fn window() -> Harness<'static, AppModel> {
         film_command: None,
     };
     let model = AppModel::new(&options, Arc::new(|| ()));
-    let mut window = Harness::builder().with_size([720.0, 440.0]).build_ui_state(
-        |ui, model: &mut AppModel| {
-            model.state.tick(ui.input(|input| input.time));
-            model.show(ui);
-        },
-        model,
-    );
+    let mut window = Harness::builder()
+        .with_context_setup(flipmap_lab::typeface::install)
+        .with_size([720.0, 440.0])
+        .build_ui_state(
+            |ui, model: &mut AppModel| {
+                model.state.tick(ui.input(|input| input.time));
+                model.show(ui);
+            },
+            model,
+        );
     let size = [720.0, 440.0];
     let click = Moment { size, scale: 1.0, pointer: [0.2, 0.4], wheel: [0.0; 2], click: true };
     live(&mut window, &[click]);
@@ -120,7 +123,7 @@ proptest! {
 
     #[test]
     fn the_pendulum_panel_is_laid_out_anywhere(moments in moments()) {
-        let mut harness = Harness::builder().with_size([340.0, 704.0]).build_ui_state(
+        let mut harness = Harness::builder().with_context_setup(flipmap_lab::typeface::install).with_size([340.0, 704.0]).build_ui_state(
             |ui, pins: &mut Pins| {
                 egui::ScrollArea::vertical().show(ui, |ui| pendulum_card(ui, pins, &|_| None));
             },
@@ -141,7 +144,7 @@ proptest! {
             sure: (engine.clone(), engine),
             ..StatusLine::default()
         };
-        let mut harness = Harness::builder()
+        let mut harness = Harness::builder().with_context_setup(flipmap_lab::typeface::install)
             .build_ui_state(|ui, status: &mut StatusLine| status_line(ui, status), status);
         live(&mut harness, &moments);
     }

@@ -48,6 +48,7 @@ fn harness(pins: Pins, theme: Theme) -> Harness<'static, Shown> {
         shown.asked.extend(actions);
     };
     let mut harness = Harness::builder()
+        .with_context_setup(flipmap_lab::typeface::install)
         .with_size([340.0, 770.0])
         .with_theme(theme)
         .build_ui_state(show, Shown { pins, asked: Vec::new() });

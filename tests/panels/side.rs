@@ -45,6 +45,7 @@ fn harness<S: 'static, A: Clone + 'static>(
         }
     };
     let mut harness = Harness::builder()
+        .with_context_setup(flipmap_lab::typeface::install)
         .with_size(size)
         .with_theme(Theme::Dark)
         .build_ui_state(show, Shown { state, asked: Vec::new() });
@@ -63,7 +64,7 @@ fn scene() -> Harness<'static, Shown<Scene, Scene>> {
 
 fn colours(picture: PictureTable) -> Harness<'static, Shown<PictureTable, ColourAction>> {
     harness(
-        [320.0, 640.0],
+        [320.0, 680.0],
         picture,
         |ui, picture| {
             let cycle = ColourCycle::default();

@@ -69,26 +69,28 @@ impl AppModel {
             Hovered { place, answer: self.state.answer_at(&mut self.compute.explorer, place) }
         });
         let rect = ui.available_rect_before_wrap();
+        // What lies over the map stays clear of the drawer.
+        let free = rect.with_max_x(rect.right() - self.forms.drawer_points);
         let mut actions = map(ui, &self.state, frame, hovered, self.drawn_curve());
         if self.state.layers.legend
             && let Ok(colours) = AnswerColours::new(&scene, &self.state.picture)
         {
             let of = (scene.question.ask, self.state.picture.palette.as_str());
             let has_failed = self.compute.explorer.counts().failed > 0;
-            map_legend(ui.ctx(), rect, &colours, of, has_failed);
+            map_legend(ui.ctx(), free, &colours, of, has_failed);
         }
         self.swing_at_pointer(ui, rect, &scene, hovered);
         pendulum::next_frame(ui, &self.state.pins);
         if self.forms.exporting {
             overlay::draw_export_frame(&ui.painter_at(rect), rect, self.forms.export.size);
         }
-        actions.extend(self.pendulum_card(ui, rect));
+        actions.extend(self.pendulum_card(ui, free));
         actions.extend(self.greet(ui, rect));
         // The laboratory has tabs of its own.
         if self.state.shown.side && !self.state.shown.lab {
             let history = &self.state.history;
             let ways = [self.state.has_back(), history.has_forward()];
-            actions.extend(toolbar(ui, rect, commands, ways));
+            actions.extend(toolbar(ui, free, commands, ways));
         }
         actions
     }

@@ -80,6 +80,7 @@ impl AppModel {
             Action::SavePicture => {
                 let folder = Path::new(&self.forms.export.path).parent().unwrap_or(Path::new("."));
                 let path = free_path(folder);
+                let path = std::path::absolute(&path).unwrap_or(path);
                 return Some(Effect::SavePicture(Box::new(state.document()), path));
             }
             Action::CopyPicture => return Some(Effect::CopyPicture(Box::new(state.document()))),

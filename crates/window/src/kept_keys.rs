@@ -141,8 +141,8 @@ mod tests {
         assert_eq!(one.save(&draft(3)).unwrap(), None);
         assert_eq!(two.save(&draft(4)).unwrap(), None);
         assert_eq!(loaded(&folders).1.keys.len(), 3);
-        let mut other = FilmDraft::default();
-        other.keys_path = folder.path().join("config/film-keys-1.toml").display().to_string();
+        let keys_path = folder.path().join("config/film-keys-1.toml").display().to_string();
+        let mut other = FilmDraft { keys_path, ..FilmDraft::default() };
         other.open_keys().unwrap();
         assert_eq!(other.keys.len(), 4);
     }

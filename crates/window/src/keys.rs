@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn letters_are_those_of_the_label_or_else_of_the_place() {
         let palette = Action::Toggle(Dialog::Commands);
-        assert_eq!(typed(Key::K, "л", CTRL), [palette.clone()], "Russian");
+        assert_eq!(typed(Key::K, "л", CTRL), std::slice::from_ref(&palette), "Russian");
         assert_eq!(typed(Key::V, "k", CTRL), [palette], "Dvorak");
         assert_eq!(typed(Key::D, "в", PLAIN), [Action::GoDeeper], "Russian");
         assert_eq!(typed(Key::D, "В", SHIFT), [Action::GoDeeper], "Russian");

@@ -15,6 +15,7 @@ use super::commands::{choices, commands};
 use super::compute_service::{ComputeService, Wake};
 use super::descent::Drawn;
 use super::dialog::FileDialog;
+use super::exploring::Exploring;
 use super::exports::Exports;
 use super::film::Films;
 use super::film_run::FilmCommand;
@@ -89,6 +90,8 @@ pub(super) struct Forms {
     pub(super) export: ExportForm,
     /// True while the form of an export is open, so that its frame is drawn on the map.
     pub(super) exporting: bool,
+    /// Width in points of the drawer that lies over the map.
+    pub(super) drawer_points: f32,
     /// Control that had the keyboard's focus in the last frame.
     pub(super) focused: Option<egui::Id>,
 }
@@ -112,6 +115,7 @@ pub struct AppModel {
     pub(super) thumbnails: Thumbnails,
     pub(super) question_pictures: SmallPictures,
     saved_pictures: SavedPictures,
+    pub(super) exploring: Exploring,
     pub(super) exports: Exports,
     pub(super) asking: Option<Asking>,
     /// Films, and the descent that may become one.
@@ -186,6 +190,7 @@ impl AppModel {
             thumbnails: Thumbnails::default(),
             question_pictures: SmallPictures::default(),
             saved_pictures: SavedPictures::default(),
+            exploring: Exploring::default(),
             exports: Exports::default(),
             asking: None,
             films: Films { draft, command: options.film_command, ..Films::default() },
@@ -232,6 +237,9 @@ impl AppModel {
         let spread = self.spread.follow(state, &mut self.compute.explorer, complete);
         let config = self.compute.config().filter(|_| complete && stays);
         let foreseen = self.estimates.forecast.follow(state, config, wake);
+        if complete {
+            self.see_view();
+        }
         told || settled || turn.news || spread || news || foreseen
     }
 
@@ -245,6 +253,7 @@ impl AppModel {
         self.map_renderer = MapRenderer::default();
         self.thumbnails = Thumbnails::default();
         self.question_pictures = SmallPictures::default();
+        self.exploring.forget_card();
     }
 
     /// Shows the whole interface once. Returns the effects that only the window can carry out.
@@ -285,6 +294,7 @@ impl AppModel {
             actions.extend(self.explanation(&ctx));
         }
         self.forms.exporting = false;
+        self.forms.drawer_points = 0.0;
         if self.state.shown.side && !self.state.shown.stage && !self.is_projecting() {
             actions.extend(self.side(ui));
         }

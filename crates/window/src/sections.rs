@@ -56,7 +56,9 @@ const fn panel(name: &'static str, also: &'static str, section: Section) -> Pane
 }
 
 /// All panels, in the order in which their sections show them.
-pub(crate) const PANELS: [PanelEntry; 11] = [
+pub(crate) const PANELS: [PanelEntry; 13] = [
+    panel("Where you are", "minimap depth ruler last views", Section::Explore),
+    panel("Find", "nearest filament island longest flip here", Section::Explore),
     panel("Deeper", "zoom descent dive filament", Section::Explore),
     panel("Places", "bookmarks scenes save this view", Section::Explore),
     panel("View", "centre width rotate stretch", Section::Explore),

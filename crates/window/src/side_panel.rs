@@ -78,6 +78,7 @@ impl AppModel {
         let rest = ui.available_rect_before_wrap();
         let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(8);
         let width = PANEL_POINTS.min(rest.width() - UNCOVERED).max(1.0);
+        self.forms.drawer_points = width;
         let size = egui::vec2(width, rest.height());
         let area = egui::Area::new(egui::Id::unique("drawer"));
         let corner = rest.right_top() - egui::vec2(width, 0.0);
@@ -128,6 +129,8 @@ impl AppModel {
     }
 
     fn explore(&mut self, panels: &mut Sections, actions: &mut Vec<Action>) {
+        actions.extend(panels.show("Where you are", |ui| self.whereabouts(ui)));
+        actions.extend(panels.show("Find", |ui| self.finds_panel(ui)));
         actions.extend(panels.show("Deeper", |ui| self.deeper_section(ui)));
         actions.extend(panels.show("Places", |ui| {
             let done = places_panel(ui, &self.places, &self.forms.place, &mut self.thumbnails);

@@ -32,6 +32,20 @@ pub(crate) fn flip_secs(screen: &Screen, explorer: &mut Explorer, point: DVec2) 
     (outcome.status == Status::Answered).then_some(outcome.time)
 }
 
+/// Returns the outcomes of the finest known samples at the middles of a grid over the whole screen,
+/// row by row from the top; none where nothing is known.
+pub(crate) fn grid(
+    screen: &Screen,
+    explorer: &mut Explorer,
+    [columns, rows]: [u32; 2],
+) -> Vec<Option<Outcome>> {
+    let step = screen.size / DVec2::new(f64::from(columns), f64::from(rows));
+    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
+    let point =
+        |place: [u32; 2]| DVec2::from(place.map(|k| f64::from(k) + 0.5)) * step - 0.5 * screen.size;
+    places.map(|place| Some(best_answer(screen, explorer, point(place))?.outcome())).collect()
+}
+
 /// Returns what is shown as a small picture; it is grey if the question cannot be painted.
 pub(crate) fn picture(state: &AppState, explorer: &mut Explorer) -> Picture {
     let document = state.document();

@@ -38,7 +38,7 @@ fn keys_are_timed_gone_to_and_removed() {
     let mut harness = panel(&["6.3", "0.2", "1e-5"]);
     type_over(&mut harness, "Seconds to key 2", "2");
     assert_eq!(harness.state().state.keys[2].secs, 7.0);
-    press(&mut harness, "3: 1e-5 wide");
+    press(&mut harness, "3: 10⁻⁵ wide");
     assert_eq!(harness.state().asked.last(), Some(&FilmAction::Go(2)));
     press(&mut harness, "Remove key 1");
     let draft = &harness.state().state;

@@ -22,9 +22,11 @@ pub mod scene;
 mod sentence;
 pub mod status;
 mod stops;
+pub(crate) mod tiles;
 pub(crate) mod timeline;
 pub(crate) mod toolbar;
 pub(crate) mod view;
+pub(crate) mod whereabouts;
 pub(crate) mod window;
 
 pub(crate) use field::meant;

@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn widths_and_rates_are_easy_to_read() {
-        assert_eq!(width_text(6.2832, "rad"), "6.2832 rad wide");
+        assert_eq!(width_text(0.5, "rad"), "0.5000 rad wide");
         assert_eq!(width_text(1.5e-7, "rad"), "1.5\u{2009}×\u{2009}10⁻⁷ rad wide");
         assert_eq!(
             (short(12.3), short(45_678.0), short(2.35e6)),
