@@ -78,7 +78,11 @@ const PLAIN: [&str; 3] = ["--no-denoise", "--times", "budget"];
 mod checks {
     use super::*;
 
-    pub(crate) use super::mishaps::*;
+    pub(crate) use super::mishaps::{
+        a_clipboard_that_does_not_answer_freezes_nothing,
+        a_display_of_other_colours_is_said_to_be_one, a_display_that_goes_away_costs_nothing,
+        any_scale_opens_a_window, where_no_compositor_answers_x11_is_used,
+    };
     pub(crate) use super::soak::soak;
 
     pub(crate) fn the_home_map_is_the_picture_that_render_makes() {

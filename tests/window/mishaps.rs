@@ -31,7 +31,8 @@ fn refusal(environment: &[(&str, &str)]) -> (Option<i32>, String) {
     let mut child = explore(home.path(), environment);
     let status = wait_for("the end", 60, || child.try_wait().unwrap());
     let log = fs::read_to_string(home.path().join("log")).unwrap();
-    assert_eq!(log.trim().lines().count(), 1, "{log}");
+    // Drivers may have warned before.
+    assert_eq!(log.lines().filter(|line| line.starts_with("flipmap: ")).count(), 1, "{log}");
     assert!(!log.contains(".rs"), "places in a source help nobody: {log}");
     (status.code(), log)
 }

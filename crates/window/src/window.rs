@@ -17,7 +17,6 @@ use super::egui_host::EguiHost;
 use super::mishap::{self, plain};
 use super::model::{AppModel, WindowOptions};
 use super::news_pace::NewsPace;
-use super::settings::Theme;
 use super::state::Effect;
 use super::stats::{Holdings, Stats};
 use super::wake::Woken;
@@ -152,7 +151,8 @@ impl Runner {
         self.redraw_at = None;
         self.told = false;
         let moving = open.model.state.tick((began - self.begun).as_secs_f64());
-        apply_looks(open);
+        open.host.ctx.set_theme(open.model.state.look.theme);
+        open.host.ctx.set_zoom_factor(open.model.ui_scale());
         let mut effects = Vec::new();
         let OpenWindow { host, model, .. } = open;
         model.map_renderer.is_quick = host.is_quick();
@@ -292,18 +292,6 @@ fn save(model: &mut AppModel) {
     if let Some(problem) = model.save() {
         log::error!("{problem}");
     }
-}
-
-/// Applies the chosen theme and scale.
-fn apply_looks(open: &OpenWindow) {
-    let state = &open.model.state;
-    let theme = match state.look.theme {
-        Theme::System => egui::ThemePreference::System,
-        Theme::Dark => egui::ThemePreference::Dark,
-        Theme::Light => egui::ThemePreference::Light,
-    };
-    open.host.ctx.set_theme(theme);
-    open.host.ctx.set_zoom_factor(open.model.ui_scale());
 }
 
 /// Returns true if an event comes from the user.
