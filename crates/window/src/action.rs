@@ -7,7 +7,7 @@ use glam::DVec2;
 use super::camera::Camera;
 use super::colour_cycle::ColourCycle;
 use super::flight::playback::Playback;
-use super::pins::PinAction;
+use super::pins::{PinAction, PinId};
 use super::sections::Section;
 use super::settings::{EdgeSamples, Layers, Theme};
 use super::state::Dialog;
@@ -120,6 +120,10 @@ pub enum Action {
     TryAgain,
     /// Shows or hides layers.
     Layers(Layers),
+    /// Takes hold of a pin, or lets it go.
+    HoldPin(Option<PinId>),
+    /// Moves the pin that is held to a point of the canvas.
+    MovePin(DVec2),
     /// Saves the map as it is on the screen.
     SavePicture,
     /// Copies the map as it is on the screen.

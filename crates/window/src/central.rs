@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use egui::Ui;
+use egui::{Rect, Ui};
 
 use super::action::Action;
 use super::canvas::colours::{CardColours, gliding_colours};
@@ -72,13 +72,7 @@ impl AppModel {
         // What lies over the map stays clear of the drawer.
         let free = rect.with_max_x(rect.right() - self.forms.drawer_points);
         let mut actions = map(ui, &self.state, frame, hovered, self.drawn_curve());
-        if self.state.layers.legend
-            && let Ok(colours) = AnswerColours::new(&scene, &self.state.picture)
-        {
-            let of = (scene.question.ask, self.state.picture.palette.as_str());
-            let has_failed = self.compute.explorer.counts().failed > 0;
-            map_legend(ui.ctx(), free, &colours, of, has_failed);
-        }
+        self.legend_on(ui, free, &scene);
         self.swing_at_pointer(ui, rect, &scene, hovered);
         pendulum::next_frame(ui, &self.state.pins);
         if self.forms.exporting {
@@ -93,6 +87,16 @@ impl AppModel {
             actions.extend(toolbar(ui, free, commands, ways));
         }
         actions
+    }
+
+    /// Shows the legend on a part of the map, if it is wanted.
+    fn legend_on(&self, ui: &Ui, part: Rect, scene: &Scene) {
+        let colours = AnswerColours::new(scene, &self.state.picture);
+        if let (true, Ok(colours)) = (self.state.layers.legend, colours) {
+            let of = (scene.question.ask, self.state.picture.palette.as_str());
+            let has_failed = self.compute.explorer.counts().failed > 0;
+            map_legend(ui.ctx(), part, &colours, of, has_failed);
+        }
     }
 
     /// Returns the pendulum and the rule of the tiles that are drawn, for their energy curve; none
@@ -135,13 +139,7 @@ impl AppModel {
     }
 
     /// Draws the pendulum at the pointer once the view rests and is complete.
-    fn swing_at_pointer(
-        &mut self,
-        ui: &Ui,
-        rect: egui::Rect,
-        scene: &Scene,
-        hovered: Option<Hovered>,
-    ) {
+    fn swing_at_pointer(&mut self, ui: &Ui, rect: Rect, scene: &Scene, hovered: Option<Hovered>) {
         let (state, progress) = (&self.state, self.progress());
         let moves = state.dragging || state.moving.is_some() || state.drawing.is_some();
         let calm = state.layers.swing && !moves && progress.is_complete();

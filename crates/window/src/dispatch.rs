@@ -42,6 +42,8 @@ impl AppModel {
             Action::OpenInLab(figure, start) => self.open_in_lab(figure, start),
             Action::FromLab(start) => self.aimed_in_lab(start),
             Action::Pin(point) => self.pin(self.state.pixel_at(point)),
+            Action::HoldPin(pin) => state.pins.held = pin,
+            Action::MovePin(point) => self.move_pin(point),
             Action::Unpin => state.pins.remove_clicked(),
             Action::Pins(action) => state.pins.apply(action),
             Action::PlayPause => self.play_or_pause(),

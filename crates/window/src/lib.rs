@@ -81,6 +81,7 @@ mod overlay;
 mod panel_actions;
 pub mod panels;
 mod pendulum_card;
+mod pin_drag;
 mod pin_paths;
 pub mod pin_start;
 pub mod pins;

@@ -10,8 +10,8 @@ use super::energy_curve;
 use super::gesture::Gesture;
 use super::hover::Answer;
 use super::overlay::{self, PlacedLabel, position};
-use super::pin_paths;
 use super::state::AppState;
+use super::{pin_drag, pin_paths};
 use flipmap_lab::number_text::significant;
 use flipmap_numbers::Exact;
 use flipmap_pendulum::Rule;
@@ -66,7 +66,7 @@ pub(crate) fn map(
         let stroke = ui.visuals().selection.stroke;
         painter.rect_stroke(rect, CornerRadius::ZERO, stroke, StrokeKind::Inside);
     }
-    gesture.actions(state.drawing)
+    pin_drag::actions(&gesture, state).unwrap_or_else(|| gesture.actions(state.drawing))
 }
 
 /// Returns the size in physical pixels of a part of the window, with its edges rounded to whole

@@ -6,11 +6,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use egui::{ColorImage, Ui};
+use egui::Ui;
 
 use super::action::Action;
 use super::canvas::MapRenderer;
-use super::canvas::copied::CopiedPicture;
 use super::commands::{choices, commands};
 use super::compute_service::{ComputeService, Wake};
 use super::descent::Drawn;
@@ -34,7 +33,7 @@ use super::panels::view::ViewForm;
 use super::panels::{help, notices};
 use super::places::Places;
 use super::saving::LastSave;
-use super::screen_picture::{SavedPictures, marked};
+use super::screen_picture::SavedPictures;
 use super::settings::{Appearance, Settings};
 use super::small_pictures::SmallPictures;
 use super::spread::ColourSpread;
@@ -114,7 +113,7 @@ pub struct AppModel {
     pub(super) forms: Forms,
     pub(super) thumbnails: Thumbnails,
     pub(super) question_pictures: SmallPictures,
-    saved_pictures: SavedPictures,
+    pub(super) saved_pictures: SavedPictures,
     pub(super) exploring: Exploring,
     pub(super) exports: Exports,
     pub(super) asking: Option<Asking>,
@@ -308,38 +307,6 @@ impl AppModel {
             false => actions.extend(self.canvas(ui, &commands)),
         });
         self.act(actions)
-    }
-
-    /// Begins to write a picture of the map on the screen.
-    pub(crate) fn write_picture(&mut self, copied: CopiedPicture, of: Document, path: PathBuf) {
-        self.saved_pictures.begin(copied, of, path, Arc::clone(&self.wake));
-    }
-
-    /// Returns a copy of the map on the screen as an image, and tells the user of it.
-    pub(crate) fn image(&mut self, copied: CopiedPicture, of: &Document) -> Option<ColorImage> {
-        let size = copied.size_px.map(|side| side as usize);
-        match marked(copied, of) {
-            Ok(rgb) => {
-                self.state.notices.tell("The picture was copied.");
-                Some(ColorImage::from_rgb(size, &rgb))
-            }
-            Err(problem) => {
-                self.state.notices.fail(format!("The picture was not copied: {problem}."));
-                None
-            }
-        }
-    }
-
-    /// Tells what has become of pictures that were being written.
-    fn tell_of_pictures(&mut self) -> bool {
-        let news = self.saved_pictures.news();
-        for written in &news {
-            match written {
-                Ok(path) => self.state.notices.tell(format!("Saved as {}.", path.display())),
-                Err(problem) => self.state.notices.fail(format!("Not saved: {problem}.")),
-            }
-        }
-        !news.is_empty()
     }
 
     /// Returns the actions that the keyboard, the clipboard and dropped files ask for.

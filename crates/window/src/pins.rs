@@ -108,6 +108,8 @@ pub struct Pins {
     selected: Option<PinId>,
     /// Pin that the last click on the map made.
     pub clicked: Option<PinId>,
+    /// Pin that is being dragged.
+    pub held: Option<PinId>,
     next_id: u64,
 }
 
@@ -121,6 +123,7 @@ impl Pins {
             clock: Playback::default(),
             selected: None,
             clicked: None,
+            held: None,
             next_id: 0,
         }
     }
@@ -179,6 +182,24 @@ impl Pins {
         self.clock.restart();
         self.show();
         Ok(id)
+    }
+
+    /// Moves a pin to another start, releases its pendulum together with all others and selects the
+    /// pin; the flight's thread calls `wake` whenever there is more to show.
+    pub fn set_start(
+        &mut self,
+        id: PinId,
+        start: PinStart,
+        told: Option<(Outcome, Trust)>,
+        wake: impl Fn() + Send + 'static,
+    ) {
+        let (question, trail) = (self.question, Trail::new(&self.build.pendulum()));
+        let Some(pin) = self.get_mut(id) else { return };
+        pin.flight = Flight::launch(question, start.launches, wake);
+        (pin.start, pin.told, pin.trail) = (start, told, trail);
+        self.selected = Some(id);
+        self.clock.restart();
+        self.show();
     }
 
     /// Sets the outcome that the map shows for a pin's pixel.

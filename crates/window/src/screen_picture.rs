@@ -1,10 +1,14 @@
 //! The map as it is on the screen, saved or copied at once: nothing is computed again.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
+
+use egui::ColorImage;
 
 use super::canvas::copied::CopiedPicture;
 use super::compute_service::Wake;
+use super::model::AppModel;
 use flipmap_render::output::{PictureFile, RowPainter};
 use flipmap_scene::Document;
 
@@ -51,8 +55,55 @@ impl SavedPictures {
     }
 }
 
+impl AppModel {
+    /// Begins to write a picture of the map on the screen, if there is one.
+    pub(crate) fn write_picture(
+        &mut self,
+        copied: Option<CopiedPicture>,
+        of: Document,
+        path: PathBuf,
+    ) {
+        match copied {
+            Some(copied) => self.saved_pictures.begin(copied, of, path, Arc::clone(&self.wake)),
+            None => self.state.notices.fail("There is no map to save yet."),
+        }
+    }
+
+    /// Returns a copy of the map on the screen as an image, and tells the user of it.
+    pub(crate) fn image(
+        &mut self,
+        copied: Option<CopiedPicture>,
+        of: &Document,
+    ) -> Option<ColorImage> {
+        let copied = copied?;
+        let size = copied.size_px.map(|side| side as usize);
+        match marked(copied, of) {
+            Ok(rgb) => {
+                self.state.notices.tell("The picture was copied.");
+                Some(ColorImage::from_rgb(size, &rgb))
+            }
+            Err(problem) => {
+                self.state.notices.fail(format!("The picture was not copied: {problem}."));
+                None
+            }
+        }
+    }
+
+    /// Tells what has become of pictures that were being written; returns true if there is news.
+    pub(super) fn tell_of_pictures(&mut self) -> bool {
+        let news = self.saved_pictures.news();
+        for written in &news {
+            match written {
+                Ok(path) => self.state.notices.tell(format!("Saved as {}.", path.display())),
+                Err(problem) => self.state.notices.fail(format!("Not saved: {problem}.")),
+            }
+        }
+        !news.is_empty()
+    }
+}
+
 /// Returns the pixels of a picture as RGB bytes, with the marks that its document asks for.
-pub(crate) fn marked(copied: CopiedPicture, document: &Document) -> Result<Vec<u8>, String> {
+fn marked(copied: CopiedPicture, document: &Document) -> Result<Vec<u8>, String> {
     let size = copied.size_px;
     let colours = copied.colours().ok_or("the graphics device did not answer")?;
     let painter = RowPainter::new(&document.scene(), size, &document.picture);

@@ -22,9 +22,6 @@ use super::stats::{Holdings, Stats};
 use super::wake::Woken;
 pub use super::window_error::WindowError;
 
-/// Told if the map has never been drawn when it is to be saved.
-const NO_MAP: &str = "There is no map to save yet.";
-
 /// Shortest time between two frames.
 const FRAME: Duration = Duration::from_micros(16_600);
 /// Time until the next frame above which the window counts as at rest.
@@ -193,15 +190,12 @@ impl Runner {
                 open.window.set_fullscreen(whole.then_some(Fullscreen::Borderless(None)));
             }
             Effect::Copy(text) => open.host.ctx.copy_text(text),
-            Effect::SavePicture(document, path) => match open.host.copied_map() {
-                Some(copied) => open.model.write_picture(copied, *document, path),
-                None => open.model.state.notices.fail(NO_MAP),
-            },
+            Effect::SavePicture(document, path) => {
+                open.model.write_picture(open.host.copied_map(), *document, path);
+            }
             Effect::CopyPicture(document) => {
-                let copied = open.host.copied_map();
-                if let Some(image) = copied.and_then(|copied| open.model.image(copied, &document)) {
-                    open.host.ctx.copy_image(image);
-                }
+                let image = open.model.image(open.host.copied_map(), &document);
+                image.into_iter().for_each(|image| open.host.ctx.copy_image(image));
             }
             #[cfg(feature = "rigs")]
             Effect::LoseDevice => open.host.lose_device(),
