@@ -39,6 +39,9 @@ impl AppModel {
         // This frame may be drawn before the next turn of the compute service.
         let (state, descent) = (&self.state, &self.films.descent);
         self.compute.aim(|config| descent.passing(state.view_target(config)));
+        // Samples that have come since the last frame are never drawn in colours that do not suit
+        // them: a later view would flash in the last colour of the one before.
+        self.spread_colours();
         let screen = self.state.screen();
         let scene = self.state.scene();
         let now_secs = ui.input(|input| input.time);

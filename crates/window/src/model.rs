@@ -233,13 +233,22 @@ impl AppModel {
         // Views passed during a descent are left before anyone could read a warning about them.
         let stays = self.films.descent.running.is_none();
         let complete = progress.idle && progress.wanted > 0;
-        let spread = self.spread.follow(state, &mut self.compute.explorer, complete);
+        let spread = self.spread_colours();
+        let (state, wake) = (&mut self.state, &self.wake);
         let config = self.compute.config().filter(|_| complete && stays);
         let foreseen = self.estimates.forecast.follow(state, config, wake);
         if complete {
             self.see_view();
         }
         told || settled || turn.news || spread || news || foreseen
+    }
+
+    /// Spreads the colours over the view's times if they follow it; returns true if they have
+    /// changed.
+    pub(super) fn spread_colours(&mut self) -> bool {
+        let progress = self.compute.explorer.progress();
+        let complete = progress.idle && progress.wanted > 0;
+        self.spread.follow(&mut self.state, &mut self.compute.explorer, complete)
     }
 
     /// Returns the progress of the view.

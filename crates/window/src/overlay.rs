@@ -236,9 +236,9 @@ pub(crate) fn disc_beside(map: Rect, pointer: Pos2, caption: Rect, side: f32) ->
     let below_both = caption.bottom().max(pointer.y) + GAP;
     let corners = [
         pos2(right, pointer.y - GAP - side),
-        pos2(left, pointer.y - GAP - side),
-        pos2(right, above_both),
         pos2(right, below_both),
+        pos2(right, above_both),
+        pos2(left, pointer.y - GAP - side),
         pos2(left, pointer.y + GAP),
         pos2(caption.right() + GAP, pointer.y - side / 2.0),
         pos2(caption.left() - GAP - side, pointer.y - side / 2.0),

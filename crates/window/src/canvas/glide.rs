@@ -29,7 +29,8 @@ impl Glide {
     ) -> Option<PictureTable> {
         if self.to.as_ref() != Some(scale) {
             let from = self.to.as_ref().map(|to| (self.times(to, now_secs), now_secs));
-            self.from = from.filter(|_| moves && picture.scale != Scale::Steps);
+            let glides = moves && picture.scale != Scale::Steps;
+            self.from = from.filter(|(times, _)| glides && overlap(times, scale));
             self.to = Some(scale.clone());
         }
         let (_, began_secs) = self.from.as_ref()?;
@@ -55,6 +56,13 @@ impl Glide {
         let share = share * share * (3.0 - 2.0 * share);
         own.zip(from).map(|(to, from)| from.powf(1.0 - share) * to.powf(share)).collect()
     }
+}
+
+/// Returns true if times in s, ascending, and a scale have some in common. Otherwise all that is
+/// shown would have the last or the first colour while the colours glide.
+fn overlap(times: &[f64], scale: &TimeScale) -> bool {
+    let [first, last] = scale.range_secs();
+    times[0] <= last && first <= times[times.len() - 1]
 }
 
 #[cfg(test)]
@@ -83,6 +91,9 @@ mod tests {
         let back = first(&early, 1.15).unwrap();
         assert!((back - middle).abs() < 1e-9, "no jump when it turns round");
         assert_eq!(first(&early, 1.5), None);
+        let much_later = picture(&[30.0, 40.0]);
+        assert_eq!(first(&much_later, 1.6), None, "no time in common");
+        assert_eq!(first(&early, 1.7), None);
         let scale = tones(&late).scale().clone();
         assert_eq!(glide.shown(&late, &scale, 2.0, false), None, "nothing moves");
     }
