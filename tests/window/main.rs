@@ -159,7 +159,9 @@ mod checks {
             |display| display.drag(to, from),
             |told| told.is_idle() && close_by(told.angle_at(from)[0], grabbed[0], 1e-3),
         );
-        assert_eq!(back.number("simulated"), dragged.number("simulated"), "seen before");
+        // The pointer may be a pixel off, so that a strip of new cells comes into view.
+        let new = back.number("simulated") - dragged.number("simulated");
+        assert!(new < 0.05 * dragged.number("simulated"), "seen before, but {new} are new");
         session.quit();
     }
 
@@ -230,7 +232,10 @@ mod checks {
 
     pub(crate) fn keys_and_commands_are_found() {
         let mut session = Session::open("keys", &PLAIN);
-        let before = session.rest("all around", Told::is_idle);
+        session.rest("all around", Told::is_idle);
+        // Pictures in the side panel may still be under way.
+        let before =
+            session.after("the map alone", |display| display.key("F9"), |told| told.is_idle());
         let plain = session.shot("plain");
         session.after("the list of keys", |display| display.key("F1"), |_| true);
         assert!(plain != session.shot("keys"));
@@ -249,16 +254,17 @@ mod checks {
 
     pub(crate) fn going_deeper_finds_structure_by_itself() {
         let mut session = Session::open("deeper", &["filigree"]);
+        let before = session.rest("all around", Told::is_idle);
         let deep = session.after(
             "a deep view",
             |display| {
                 display.point(300.0, 240.0);
                 display.key("d");
-                // The map follows the descent, half a decade in at least 1.5 s.
                 sleep(Duration::from_secs(60));
                 display.key("Escape");
             },
-            |told| told.is_idle() && told.width_rad() < 2e-3,
+            // An octave takes two seconds at most, once the first view is drawn.
+            |told| told.is_idle() && told.width_rad() < before.width_rad() * 2f64.powi(-20),
         );
         assert!(deep.scene().question.budget.auto);
         session.shot("deep");
@@ -267,7 +273,7 @@ mod checks {
             |display| display.key("BackSpace"),
             |told| told.is_idle() && told.width_rad() > 2.0 * deep.width_rad(),
         );
-        assert!(back.width_rad() < 0.1, "the way down is in the history");
+        assert!(close_by(back.width_rad(), before.width_rad(), 1e-9), "a dive is one step");
         session.quit();
     }
 
@@ -282,7 +288,7 @@ mod checks {
             before = shot;
         }
         // Figure 4: a bob is dragged, then the slider of m1 is pressed near its right end.
-        session.display.drag([300.0, 420.0], [180.0, 300.0]);
+        session.display.drag([300.0, 250.0], [180.0, 200.0]);
         sleep(Duration::from_millis(300));
         session.display.drag([690.0, 117.0], [700.0, 117.0]);
         sleep(Duration::from_millis(700));

@@ -117,11 +117,11 @@ impl Told {
     }
 }
 
-/// Prevents the first-start card from covering the map, and finer samples at edges from being
+/// Prevents the greeting of the first start, the magnet of the wheel, and finer samples at edges from being
 /// computed. Settings that exist already are kept.
 fn greet(home: &Path) {
     if !settings_in(home).exists() {
-        keep_settings(home, "greeted = true\nedges = \"1\"\n");
+        keep_settings(home, "greeted = true\nedges = \"1\"\nmagnet = false\n");
     }
 }
 

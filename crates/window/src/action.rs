@@ -52,7 +52,14 @@ pub enum Look {
 impl Action {
     /// Returns true if the action needs the map to be visible.
     pub(crate) fn is_of_map(&self) -> bool {
-        matches!(self, Action::Look(_) | Action::Pin(_) | Action::GoDeeper | Action::Layers(_))
+        matches!(
+            self,
+            Action::Look(_)
+                | Action::Wheel(..)
+                | Action::Pin(_)
+                | Action::GoDeeper
+                | Action::Layers(_)
+        )
     }
 }
 
@@ -120,6 +127,8 @@ pub enum Action {
     TryAgain,
     /// Shows or hides layers.
     Layers(Layers),
+    /// Zooms by a factor about a point or the structure next to it.
+    Wheel(f64, DVec2),
     /// Takes hold of a pin, or lets it go.
     HoldPin(Option<PinId>),
     /// Moves the pin that is held to a point of the canvas.

@@ -34,6 +34,10 @@ impl AppModel {
         let state = &mut self.state;
         match action {
             Action::Look(look) => self.look(look),
+            Action::Wheel(factor, about) => {
+                let zoom = self.wheel(factor, about);
+                return self.carry_out(zoom);
+            }
             Action::Hover(point) => state.pointer = point,
             Action::Drawing(drawing) => state.drawing = drawing,
             Action::GoDeeper => self.films.toggle_descent(state, &self.request, &self.wake),
@@ -105,7 +109,7 @@ impl AppModel {
     /// Lets the wheel and the space bar steer a dive instead of the map; returns true if they did.
     fn steers_dive(&mut self, action: &Action) -> bool {
         match action {
-            Action::Look(Look::Zoom { factor, .. }) => {
+            Action::Look(Look::Zoom { factor, .. }) | Action::Wheel(factor, _) => {
                 self.films.quicken_dive(&mut self.state, *factor)
             }
             Action::PlayPause => self.films.pause_dive(&mut self.state),

@@ -43,12 +43,11 @@ impl Gesture {
     pub(crate) fn actions(&self, drawing: Option<[DVec2; 2]>) -> Vec<Action> {
         let mut actions = vec![Action::Hover(self.pointer)];
         let about = self.pointer.unwrap_or(DVec2::ZERO);
-        let zoom = |factor| Action::Look(Look::Zoom { factor, about });
         let factor = self.pinch.max(f64::MIN_POSITIVE) * (self.notches / NOTCHES_FOR_TWICE).exp2();
         if factor != 1.0 && self.stretching {
             actions.push(Action::Look(Look::Stretch(factor)));
         } else if factor != 1.0 {
-            actions.push(zoom(factor));
+            actions.push(Action::Wheel(factor, about));
         }
         actions.extend(self.drag(drawing));
         actions.extend(self.clicks());
@@ -128,9 +127,9 @@ mod tests {
     #[test]
     fn wheel_and_pinch_zoom_about_the_pointer() {
         let wheel = looks(Gesture { notches: 3.0, ..still() }, None);
-        assert_eq!(wheel, [Action::Look(Look::Zoom { factor: 2.0, about: HERE })]);
+        assert_eq!(wheel, [Action::Wheel(2.0, HERE)]);
         let pinch = looks(Gesture { pinch: 0.5, ..still() }, None);
-        assert_eq!(pinch, [Action::Look(Look::Zoom { factor: 0.5, about: HERE })]);
+        assert_eq!(pinch, [Action::Wheel(0.5, HERE)]);
     }
 
     #[test]

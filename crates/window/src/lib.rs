@@ -69,6 +69,7 @@ mod laboratory;
 mod last_views;
 mod leaving;
 mod light;
+mod magnet;
 mod map;
 mod meter;
 mod mishap;

@@ -67,6 +67,8 @@ pub struct Settings {
     pub ui_scale: f32,
     /// True if the view moves smoothly.
     pub animate: bool,
+    /// True if the wheel zooms about structure next to the pointer.
+    pub magnet: bool,
     /// Number of samples per pixel at edges while the view rests.
     pub edges: EdgeSamples,
     /// True if the window opens where it was left.
@@ -141,6 +143,7 @@ impl Default for Settings {
             theme: Theme::default(),
             ui_scale: 1.0,
             animate: true,
+            magnet: true,
             edges: EdgeSamples::default(),
             restore: true,
             cache_mib: 512,

@@ -85,7 +85,7 @@ impl AppModel {
         let shown = area.fixed_pos(corner).show(ui.ctx(), |ui| {
             frame
                 .show(ui, |ui| {
-                    ui.set_max_size(size - egui::vec2(16.0, 16.0));
+                    ui.set_max_size((size - egui::vec2(16.0, 16.0)).max(egui::Vec2::ZERO));
                     ui.set_min_size(ui.max_rect().size());
                     self.section(ui, section)
                 })

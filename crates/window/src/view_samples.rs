@@ -32,6 +32,11 @@ pub(crate) fn flip_secs(screen: &Screen, explorer: &mut Explorer, point: DVec2) 
     (outcome.status == Status::Answered).then_some(outcome.time)
 }
 
+/// Returns the outcome of the finest known sample at a point.
+pub(crate) fn outcome(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<Outcome> {
+    Some(best_answer(screen, explorer, point)?.outcome())
+}
+
 /// Returns the outcomes of the finest known samples at the middles of a grid over the whole screen,
 /// row by row from the top; none where nothing is known.
 pub(crate) fn grid(

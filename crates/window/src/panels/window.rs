@@ -41,6 +41,9 @@ pub(crate) fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Setting
             }
         }
     });
+    ui.checkbox(&mut settings.magnet, "The wheel finds structure").on_hover_text(
+        "Over a smooth part of the map, the wheel zooms about the edge next to the pointer",
+    );
     ui.checkbox(&mut settings.restore, "Open where the window was left");
     let label = ui.label("Memory for places seen before, MiB (from the next start)");
     let slider = Slider::new(&mut settings.cache_mib, Settings::CACHE_MIB).logarithmic(true);
