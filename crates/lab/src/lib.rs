@@ -327,9 +327,10 @@ mod tests {
         let mut shapes = Vec::new();
         for _ in 0..3 {
             let input = egui::RawInput { screen_rect: Some(screen), ..egui::RawInput::default() };
-            let shown = ctx.run_ui(input, |ui| {
+            let mut shown = ctx.run_ui(input, |ui| {
                 egui::CentralPanel::default().show(ui, |ui| lab.show(ui));
             });
+            shown.textures_delta.clear();
             shapes = shown.shapes;
         }
         let text = |clipped: &egui::epaint::ClippedShape| match &clipped.shape {

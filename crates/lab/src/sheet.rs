@@ -140,9 +140,12 @@ mod tests {
         simulation.release(State { angle: [-2.6, -1.7], speed: [-12.25, -31.5] });
         let (ctx, mut sheet) = (egui::Context::default(), None);
         crate::typeface::install(&ctx);
-        let _ = ctx.run_ui(egui::RawInput::default(), |ui| {
+        // Nothing draws the textures.
+        ctx.run_ui(egui::RawInput::default(), |ui| {
             sheet = Some(Sheet::new(ui, width, &simulation));
-        });
+        })
+        .textures_delta
+        .clear();
         sheet.unwrap()
     }
 

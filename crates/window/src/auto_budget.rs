@@ -24,6 +24,8 @@ pub(super) struct AutoBudget {
     asked: Option<(PendulumSpec, Camera)>,
     settling: Option<Receiver<Budget>>,
     settled: Option<Budget>,
+    /// The view whose budget was applied last, and its seconds.
+    reached: Option<((PendulumSpec, Camera), f64)>,
 }
 
 impl AutoBudget {
@@ -41,9 +43,25 @@ impl AutoBudget {
         }
         let heard = self.listen();
         let Some(budget) = heard.or(self.of(view)) else { return false };
+        let budget = self.on_the_way_down(view, budget);
         let news = budget != state.question.budget;
         state.question.budget = budget;
         news
+    }
+
+    /// Returns the budget of a view, but at least that of the view before if this one lies in it:
+    /// otherwise pixels seen on the way down would lose their flips and change their colours.
+    fn on_the_way_down(&mut self, view: (PendulumSpec, Camera), budget: Budget) -> Budget {
+        let (build, camera) = view;
+        let lies_in = |before: &(PendulumSpec, Camera)| {
+            let (of, outer) = before;
+            let away = outer.offset_of(camera.center).length();
+            *of == build && camera.width_rad <= outer.width_rad && away <= outer.width_rad
+        };
+        let least_secs = self.reached.filter(|(before, _)| lies_in(before)).map(|(_, secs)| secs);
+        let secs = least_secs.map_or(budget.secs, |least| budget.secs.max(least));
+        self.reached = Some((view, secs));
+        Budget { secs, ..budget }
     }
 
     /// Starts to settle the budget of a view from its `scene`, unless the view was the last one
@@ -87,6 +105,20 @@ mod tests {
     use crate::reach::Reach;
     use flipmap_scene::View;
     use std::time::Duration;
+
+    #[test]
+    fn a_budget_never_shrinks_on_the_way_down() {
+        let mut budget = AutoBudget::default();
+        let whole = Camera::whole(Reach::TORUS);
+        let mut applied = |width_rad: f64, secs: f64| {
+            let view = (PendulumSpec::default(), Camera { width_rad, ..whole });
+            budget.on_the_way_down(view, Budget { secs, auto: true }).secs
+        };
+        let down = [(6.0, 30.0), (0.1, 50.0), (0.1, 50.0), (1e-3, 30.0), (1e-5, 35.0)];
+        assert_eq!(down.map(|(width, secs)| applied(width, secs)), [30.0, 50.0, 50.0, 50.0, 50.0]);
+        assert_eq!(applied(1e-7, 65.0), 65.0);
+        assert_eq!(applied(1e-2, 40.0), 40.0, "wider again");
+    }
 
     #[test]
     fn one_view_is_settled_at_a_time_and_none_twice() {

@@ -87,9 +87,9 @@ impl AppModel {
                 let folder = Path::new(&self.forms.export.path).parent().unwrap_or(Path::new("."));
                 let path = free_path(folder);
                 let path = std::path::absolute(&path).unwrap_or(path);
-                return Some(Effect::SavePicture(Box::new(state.document()), path));
+                return Some(Effect::SavePicture(Box::new(state.as_drawn()), path));
             }
-            Action::CopyPicture => return Some(Effect::CopyPicture(Box::new(state.document()))),
+            Action::CopyPicture => return Some(Effect::CopyPicture(Box::new(state.as_drawn()))),
             Action::CopyLocation => return Some(Effect::Copy(state.copied_location())),
             Action::Find(angle) => state.find(angle),
             Action::HoldNotices => state.notices.hold(),

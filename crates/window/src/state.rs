@@ -200,6 +200,14 @@ impl AppState {
         }
     }
 
+    /// Returns what is shown as a document with the budget that was used, also if it follows the
+    /// view: on the way down it may be longer than the view's own.
+    pub(super) fn as_drawn(&self) -> Document {
+        let mut document = self.document();
+        document.question.budget.auto = false;
+        document
+    }
+
     /// Returns the scene that is shown, but with the default view.
     pub fn scene(&self) -> Scene {
         let plane = self.plane.clone();
