@@ -6,6 +6,7 @@ mod films;
 mod lab;
 mod look;
 mod planes;
+mod reach;
 mod ride;
 mod view;
 
@@ -15,10 +16,9 @@ use std::sync::Arc;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use egui::accesskit::{Action as Doing, Toggled};
 use egui::{Event, Key, Modifiers, Role};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{AccessKitNode, NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_lab::Figure;
@@ -291,84 +291,6 @@ fn what_was_chosen_is_there_again() {
     let shore = BuiltIn::named("shore").unwrap().document();
     let asked = model(Folders::under(folder.path()), Some(shore.clone()));
     assert_eq!(place(&asked), location::text(&shore.scene()));
-}
-
-/// The sections of the side panel.
-const SECTIONS: [&str; 6] =
-    ["Explore", "Pendulum & question", "Colours", "Picture & film", "Laboratory", "Settings"];
-
-/// An app model with a pin, a bookmark, a notice and the window's measurements.
-fn crowded(folder: &Path) -> Desktop {
-    let mut desktop = model(Folders::under(folder), None);
-    desktop.event(Event::Paste("nonsense".to_string()));
-    press(&mut desktop, Modifiers::NONE, Key::P);
-    press(&mut desktop, Modifiers::NONE, Key::Space);
-    click(&mut desktop, "Keep this view");
-    press(&mut desktop, Modifiers::NONE, Key::F12);
-    desktop.run_steps(5);
-    desktop
-}
-
-/// Role and name of a control.
-fn told(node: &AccessKitNode) -> (Role, String) {
-    (node.role(), node.label().unwrap_or_default())
-}
-
-/// Roles and names of all controls that the keyboard should reach.
-fn controls(desktop: &Desktop) -> Vec<(Role, String)> {
-    let nodes = desktop.root().children_recursive().map(|node| node.accesskit_node());
-    let usable = |node: &AccessKitNode| {
-        node.data().supports_action(Doing::Focus) && !node.data().is_disabled()
-    };
-    nodes.filter(usable).map(|node| told(&node)).collect()
-}
-
-/// Opens the section of this name, if it is closed.
-fn open_section(desktop: &mut Desktop, name: &str) {
-    let rail = desktop.get_by_role_and_label(Role::Button, name);
-    if rail.accesskit_node().toggled() != Some(Toggled::True) {
-        rail.click();
-        desktop.run_steps(4);
-    }
-}
-
-#[test]
-fn everything_has_a_name_for_screen_readers() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut desktop = crowded(folder.path());
-    let mut count = 0;
-    for section in SECTIONS {
-        open_section(&mut desktop, section);
-        let controls = controls(&desktop);
-        count += controls.len();
-        let nameless: Vec<_> = controls.iter().filter(|(_, name)| name.trim().is_empty()).collect();
-        assert!(nameless.is_empty(), "{section}: {nameless:#?}");
-    }
-    assert!(count > 150, "{count} controls");
-}
-
-#[test]
-fn the_keyboard_reaches_everything_and_what_it_reaches_is_seen() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut desktop = crowded(folder.path());
-    let window = desktop.ctx.content_rect();
-    for section in SECTIONS {
-        open_section(&mut desktop, section);
-        let all = controls(&desktop);
-        let mut reached = Vec::new();
-        for _ in 0..all.len() + 20 {
-            press(&mut desktop, Modifiers::NONE, Key::Tab);
-            // The panel scrolls in the frame after the one that moves the focus.
-            desktop.run_steps(3);
-            let focused = desktop.root().children_recursive().find(|node| node.is_focused());
-            let Some(node) = focused else { continue };
-            let middle = node.rect().center();
-            assert!(window.contains(middle), "{section}: {:?}", told(&node.accesskit_node()));
-            reached.push(told(&node.accesskit_node()));
-        }
-        let missed: Vec<_> = all.iter().filter(|control| !reached.contains(control)).collect();
-        assert!(missed.is_empty(), "{section}: {missed:#?}");
-    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! What each action does: the model passes it to the components that it concerns.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::action::{Action, Look};
@@ -9,8 +9,8 @@ use super::integration::Integration;
 use super::model::{AppModel, Asking};
 use super::pin_start::PinStart;
 use super::screen_picture::free_path;
-use super::settings::Settings;
-use super::state::Effect;
+use super::settings::{Appearance, Settings};
+use super::state::{AppState, Effect};
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_numbers::Exact;
@@ -31,13 +31,31 @@ impl AppModel {
         }
         self.films.give_way_to(&action, &mut self.state);
         self.state.shown.card &= !action.is_of_map();
+        let shown = || Box::new(self.state.as_drawn());
+        match action {
+            Action::SavePicture => Some(Effect::SavePicture(shown(), self.picture_path())),
+            Action::CopyPicture => Some(Effect::CopyPicture(shown())),
+            Action::CopyLocation => Some(Effect::Copy(self.state.copied_location())),
+            Action::FullScreen => Some(Effect::FullScreen),
+            #[cfg(feature = "rigs")]
+            Action::LoseDevice => Some(Effect::LoseDevice),
+            Action::Quit => self.quit(),
+            Action::Wheel(factor, about) => {
+                let zoom = self.wheel(factor, about);
+                self.carry_out(zoom)
+            }
+            action => {
+                self.change(action);
+                None
+            }
+        }
+    }
+
+    /// Carries out an action that has no effect outside the model.
+    fn change(&mut self, action: Action) {
         let state = &mut self.state;
         match action {
             Action::Look(look) => self.look(look),
-            Action::Wheel(factor, about) => {
-                let zoom = self.wheel(factor, about);
-                return self.carry_out(zoom);
-            }
             Action::Hover(point) => state.pointer = point,
             Action::Drawing(drawing) => state.drawing = drawing,
             Action::GoDeeper => self.films.toggle_descent(state, &self.request, &self.wake),
@@ -45,11 +63,11 @@ impl AppModel {
             Action::InLab(action) => self.in_lab(action),
             Action::OpenInLab(figure, start) => self.open_in_lab(figure, start),
             Action::FromLab(start) => self.aimed_in_lab(start),
-            Action::Pin(point) => self.pin(self.state.pixel_at(point)),
-            Action::HoldPin(pin) => state.pins.held = pin,
-            Action::MovePin(point) => self.move_pin(point),
-            Action::Unpin => state.pins.remove_clicked(),
-            Action::Pins(action) => state.pins.apply(action),
+            Action::Pin(_)
+            | Action::HoldPin(_)
+            | Action::MovePin(_)
+            | Action::Unpin
+            | Action::Pins(_) => self.change_pins(action),
             Action::PlayPause => self.play_or_pause(),
             Action::Scene(scene) => {
                 state.ask(&scene);
@@ -69,41 +87,52 @@ impl AppModel {
             Action::Section(section) => state.choose_section(section),
             Action::Toggle(dialog) => state.toggle(dialog),
             Action::Escape => self.escape(),
-            Action::Show(document) => {
-                let reopens = state.show(&document);
-                self.follow(reopens);
-            }
-            Action::Visit(document) => {
-                let reopens = state.visit(*document);
-                self.follow(reopens);
-            }
+            Action::Show(document) => self.go_to(|state| state.show(&document)),
+            Action::Visit(document) => self.go_to(|state| state.visit(*document)),
             Action::Open(path) => self.open(&path),
             Action::AskForFile => self.asking = Some(Asking::Open(FileDialog::open(self.waker()))),
-            Action::Paste(text) => {
-                let reopens = state.paste(&text);
-                self.follow(reopens);
-            }
-            Action::SavePicture => {
-                let folder = Path::new(&self.forms.export.path).parent().unwrap_or(Path::new("."));
-                let path = free_path(folder);
-                let path = std::path::absolute(&path).unwrap_or(path);
-                return Some(Effect::SavePicture(Box::new(state.as_drawn()), path));
-            }
-            Action::CopyPicture => return Some(Effect::CopyPicture(Box::new(state.as_drawn()))),
-            Action::CopyLocation => return Some(Effect::Copy(state.copied_location())),
+            Action::Paste(text) => self.go_to(|state| state.paste(&text)),
             Action::Find(angle) => state.find(angle),
             Action::HoldNotices => state.notices.hold(),
             Action::Dismiss(id) => state.notices.dismiss(id),
-            Action::UiScale(scale) => state.look.ui_scale = Settings::within_ui_scales(scale),
-            Action::Theme(theme) => state.look.theme = theme,
-            Action::Animate(animate) => state.look.animate = animate,
-            Action::Edges(edges) => state.look.edges = edges,
-            Action::FullScreen => return Some(Effect::FullScreen),
+            Action::UiScale(_) | Action::Theme(_) | Action::Animate(_) | Action::Edges(_) => {
+                change_look(&mut state.look, &action);
+            }
+            // What the window itself does was taken out before.
+            Action::SavePicture
+            | Action::CopyPicture
+            | Action::CopyLocation
+            | Action::FullScreen
+            | Action::Wheel(..)
+            | Action::Quit => {}
             #[cfg(feature = "rigs")]
-            Action::LoseDevice => return Some(Effect::LoseDevice),
-            Action::Quit => return self.quit(),
+            Action::LoseDevice => {}
         }
-        None
+    }
+
+    /// Goes somewhere, and opens the engine that `go` asks for by returning true.
+    fn go_to(&mut self, go: impl FnOnce(&mut AppState) -> bool) {
+        let reopens = go(&mut self.state);
+        self.follow(reopens);
+    }
+
+    /// Carries out an action on pins.
+    fn change_pins(&mut self, action: Action) {
+        match action {
+            Action::Pin(point) => self.pin(self.state.pixel_at(point)),
+            Action::HoldPin(pin) => self.state.pins.held = pin,
+            Action::MovePin(point) => self.move_pin(point),
+            Action::Unpin => self.state.pins.remove_clicked(),
+            Action::Pins(action) => self.state.pins.apply(action),
+            _ => {}
+        }
+    }
+
+    /// Returns the path of the next picture that is saved at once, beside that of exports.
+    fn picture_path(&self) -> PathBuf {
+        let folder = Path::new(&self.forms.export.path).parent().unwrap_or(Path::new("."));
+        let path = free_path(folder);
+        std::path::absolute(&path).unwrap_or(path)
     }
 
     /// Lets the wheel and the space bar steer a dive instead of the map; returns true if they did.
@@ -220,5 +249,16 @@ impl AppModel {
             }
             _ => {}
         }
+    }
+}
+
+/// Carries out an action on the appearance of the window.
+fn change_look(look: &mut Appearance, action: &Action) {
+    match *action {
+        Action::UiScale(scale) => look.ui_scale = Settings::within_ui_scales(scale),
+        Action::Theme(theme) => look.theme = theme,
+        Action::Animate(animate) => look.animate = animate,
+        Action::Edges(edges) => look.edges = edges,
+        _ => {}
     }
 }

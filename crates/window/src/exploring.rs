@@ -26,6 +26,8 @@ pub(crate) struct Exploring {
     finds: Vec<Find>,
     find_pictures: SmallPictures,
     whole: SmallPictures,
+    /// The view as each question would answer it.
+    pub(super) questions: SmallPictures,
     pub(super) last_views: LastViews,
 }
 
@@ -34,6 +36,7 @@ impl Exploring {
     pub(super) fn forget_card(&mut self) {
         self.find_pictures = SmallPictures::default();
         self.whole = SmallPictures::default();
+        self.questions = SmallPictures::default();
         self.of = None;
         self.last_views.forget_card();
     }

@@ -35,7 +35,6 @@ use super::places::Places;
 use super::saving::LastSave;
 use super::screen_picture::SavedPictures;
 use super::settings::{Appearance, Settings};
-use super::small_pictures::SmallPictures;
 use super::spread::ColourSpread;
 use super::state::{AppState, Effect};
 use super::store::{Loaded, Store};
@@ -112,7 +111,6 @@ pub struct AppModel {
     pub(super) places: Places,
     pub(super) forms: Forms,
     pub(super) thumbnails: Thumbnails,
-    pub(super) question_pictures: SmallPictures,
     pub(super) saved_pictures: SavedPictures,
     pub(super) exploring: Exploring,
     pub(super) exports: Exports,
@@ -153,13 +151,10 @@ impl AppModel {
         document.run = spec.table.clone();
         let mut state = AppState::new(&document, spec);
         state.integration.kind = options.request.kind;
-        let Settings { animate, theme, ui_scale, edges, .. } = settings;
-        state.look = Appearance { animate, theme, ui_scale, edges };
+        state.look = Appearance::of(&settings);
         // A window that keeps nothing would greet its user each time.
         state.shown.card = !settings.greeted && store.keeps();
-        if options.document.is_none() {
-            state.layers = settings.layers;
-        }
+        state.layers = if options.document.is_none() { settings.layers } else { state.layers };
         for problem in notice.into_iter().chain(problem) {
             state.notices.fail(problem);
         }
@@ -187,7 +182,6 @@ impl AppModel {
             forms: Forms { place: PlaceForm::named(places.free_name()), ..Forms::default() },
             places,
             thumbnails: Thumbnails::default(),
-            question_pictures: SmallPictures::default(),
             saved_pictures: SavedPictures::default(),
             exploring: Exploring::default(),
             exports: Exports::default(),
@@ -260,7 +254,6 @@ impl AppModel {
     pub(crate) fn forget_card(&mut self) {
         self.map_renderer = MapRenderer::default();
         self.thumbnails = Thumbnails::default();
-        self.question_pictures = SmallPictures::default();
         self.exploring.forget_card();
     }
 

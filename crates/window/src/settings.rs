@@ -23,7 +23,14 @@ pub struct Appearance {
 
 impl Default for Appearance {
     fn default() -> Self {
-        let Settings { animate, theme, ui_scale, edges, .. } = Settings::default();
+        Appearance::of(&Settings::default())
+    }
+}
+
+impl Appearance {
+    /// Returns the appearance that settings ask for.
+    pub(crate) fn of(settings: &Settings) -> Self {
+        let Settings { animate, theme, ui_scale, edges, .. } = *settings;
         Appearance { animate, theme, ui_scale, edges }
     }
 }

@@ -147,7 +147,7 @@ impl AppModel {
 
     fn pendulum_and_question(&mut self, panels: &mut Sections, actions: &mut Vec<Action>) {
         self.picture_questions();
-        let pictures = &mut self.question_pictures;
+        let pictures = &mut self.exploring.questions;
         let scene = self.state.scene();
         let changed = panels.show("Scene", |ui| {
             let ctx = ui.ctx().clone();
@@ -177,7 +177,7 @@ impl AppModel {
             }
             Document { picture, ..shown.clone().with_scene(scene) }
         });
-        self.question_pictures.of(asked.into(), &self.wake);
+        self.exploring.questions.of(asked.into(), &self.wake);
     }
 
     fn colours_and_layers(&mut self, panels: &mut Sections, actions: &mut Vec<Action>) {
