@@ -30,6 +30,8 @@ const MAX_WIDTH_RAD: f64 = 4.0 * std::f64::consts::TAU;
 /// Largest factor by which the window stretches a map, either way. Samples are square, so a
 /// stronger stretch would need too many of them for a screen.
 const MAX_STRETCH: f64 = 16.0;
+/// Share of the width by which cameras that show nearly the same differ at most.
+const NEAR: f64 = 0.05;
 /// Share of a bounded plane's square that its home view shows.
 const HOME_SHARE: f64 = 0.25;
 /// Largest width of a sample in physical pixels before the next level is drawn. Its samples are
@@ -108,6 +110,14 @@ impl Camera {
         // A view from a file may be stretched beyond them.
         let (least, most) = (self.stretch.min(1.0 / MAX_STRETCH), self.stretch.max(MAX_STRETCH));
         Camera { stretch: (self.stretch * factor).clamp(least, most), ..*self }
+    }
+
+    /// Returns true if another camera shows nearly the same: its centre and its width differ by a
+    /// twentieth of the width at most.
+    pub(crate) fn is_near(&self, other: &Camera) -> bool {
+        let away = self.offset_of(other.center).length() / self.width_rad;
+        let zoom = (self.width_rad / other.width_rad).ln().abs();
+        self.reach == other.reach && away < NEAR && zoom < NEAR
     }
 
     fn within_reach(self) -> Self {
@@ -313,6 +323,14 @@ mod tests {
             let during = screen(camera);
             prop_assert!((during.point_of(camera.offset_of(angle)) - point).length() < 1e-6);
         }
+    }
+
+    #[test]
+    fn cameras_that_show_nearly_the_same_are_near() {
+        let near = Camera { width_rad: 1.01 * home().width_rad, ..home() };
+        assert!(home().is_near(&near) && home().is_near(&near.moved(DVec2::new(0.1, 0.0))));
+        assert!(!home().is_near(&Camera { width_rad: 0.9 * home().width_rad, ..home() }));
+        assert!(!home().is_near(&home().moved(DVec2::new(0.0, 1.0))));
     }
 
     #[test]

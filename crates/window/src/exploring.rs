@@ -96,7 +96,10 @@ impl AppModel {
         }
         self.find();
         if self.exploring.finds.is_empty() {
-            ui.weak("Nothing stands out in this view.");
+            ui.weak(match self.progress().is_complete() {
+                true => "Nothing stands out in this view.",
+                false => "Shown once the view is complete.",
+            });
             return None;
         }
         let Exploring { finds, find_pictures, .. } = &mut self.exploring;

@@ -4,11 +4,12 @@ use std::collections::VecDeque;
 
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
+use super::camera::Camera;
 use super::state::AppState;
 use super::view_samples;
 use flipmap_render::output::Picture;
 use flipmap_render::tiles::explorer::Explorer;
-use flipmap_scene::Document;
+use flipmap_scene::{Document, Scene, View};
 
 /// Number of views that are kept.
 const KEPT: usize = 8;
@@ -17,6 +18,7 @@ const KEPT: usize = 8;
 pub(crate) struct SeenView {
     /// What was shown.
     pub document: Document,
+    camera: Camera,
     picture: Picture,
     texture: Option<TextureHandle>,
 }
@@ -29,13 +31,17 @@ impl LastViews {
     /// Takes the view that is shown, which must be complete and at rest, unless it is the latest. A
     /// view that is seen again moves to the front.
     pub(crate) fn see(&mut self, state: &AppState, explorer: &mut Explorer) {
-        let is_latest = |seen: &SeenView| seen.document.scene() == state.document().scene();
-        if self.0.front().is_some_and(is_latest) {
+        let (document, camera) = (state.document(), state.camera);
+        let is_same = |seen: &SeenView| {
+            let asked = |document: &Document| Scene { view: View::default(), ..document.scene() };
+            asked(&seen.document) == asked(&document) && seen.camera.is_near(&camera)
+        };
+        if self.0.front().is_some_and(is_same) {
             return;
         }
-        self.0.retain(|seen| !is_latest(seen));
+        self.0.retain(|seen| !is_same(seen));
         let picture = view_samples::picture(state, explorer);
-        self.0.push_front(SeenView { document: picture.document.clone(), picture, texture: None });
+        self.0.push_front(SeenView { document, camera, picture, texture: None });
         self.0.truncate(KEPT);
     }
 
