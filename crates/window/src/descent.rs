@@ -16,12 +16,14 @@ use flipmap_engine::choice::{ChoiceError, EngineRequest, choose};
 use flipmap_engine::{EngineError, EngineKind};
 use flipmap_render::tiles::descent::{Descent, DescentStep};
 use flipmap_render::tiles::view_target::ViewTarget;
-use flipmap_scene::Scene;
+use flipmap_scene::{Budget, Scene};
 
 /// Number of views that a descent is ahead of the window, so that the window never waits for one.
 const AHEAD: usize = 3;
-/// Most levels by which a view that a dive passes is drawn coarser than in full.
-const MOST_COARSER: u32 = 3;
+/// Levels by which views that a dive passes are drawn coarser than in full: the first one, and at
+/// most.
+const FIRST_COARSER: u32 = 2;
+const MOST_COARSER: u32 = 4;
 
 /// A descent on a thread with an engine of its own. Dropping it stops the descent.
 #[derive(Debug)]
@@ -91,15 +93,6 @@ pub struct DescentPath {
     pub pace: DivePace,
     /// Number of levels by which the view that is approached is drawn coarser than in full.
     coarser: u32,
-}
-
-/// How much of the last view of a dive is drawn, and how fast views are computed.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Drawn {
-    /// Share of the view that is drawn, 0 to 1.
-    pub share: f64,
-    /// Samples computed per second; 0 if that is not known.
-    pub rate: f64,
 }
 
 impl DescentPath {
@@ -187,23 +180,27 @@ impl Films {
         }
     }
 
-    /// Glides to a view of the descent, drawn as finely as can be computed by the arrival.
-    fn approach(&mut self, state: &mut AppState, to: Camera, drawn: Drawn) {
-        let pace = self.descent.pace.between(&state.camera, &to, drawn.share);
-        let samples = state.samples_on_canvas();
-        let in_time = drawn.rate * pace.secs();
-        let too_many = if in_time > 0.0 { (samples / in_time).log2() / 2.0 } else { 0.0 };
-        self.descent.coarser = (too_many.ceil().max(0.0) as u32).clamp(1, MOST_COARSER);
+    /// Glides to a view of the descent, while `share` of the view before is drawn: more coarsely than
+    /// that one if it was not half drawn in time, more finely if it was complete.
+    fn approach(&mut self, state: &mut AppState, to: Camera, share: f64) {
+        let pace = self.descent.pace.between(&state.camera, &to, share);
+        let before = self.descent.coarser;
+        self.descent.coarser = match share {
+            _ if self.descent.scenes.len() < 2 => FIRST_COARSER,
+            share if share < 0.5 => (before + 1).min(MOST_COARSER),
+            1.0 => (before - 1).max(1),
+            _ => before,
+        };
         state.glide(to, pace);
     }
 
     /// Follows the running descent: once its last view has been reached, the camera goes on to the
-    /// next one, at a pace that depends on how much of the last view is drawn. Returns true if the
-    /// descent had news.
-    pub(super) fn follow_descent(&mut self, state: &mut AppState, drawn: Drawn) -> bool {
+    /// next one, at a pace that depends on the `share` of the last view that is drawn. Returns true
+    /// if the descent had news.
+    pub(super) fn follow_descent(&mut self, state: &mut AppState, share: f64) -> bool {
         // The first view is drawn before it is left, and without moves each is.
         let waits = self.descent.scenes.len() < 2 || !state.look.animate;
-        if state.moving.is_some() || self.descent.pace.is_paused || (waits && drawn.share < 0.5) {
+        if state.moving.is_some() || self.descent.pace.is_paused || (waits && share < 0.5) {
             return false;
         }
         let Some(news) = self.descent.running.as_ref().and_then(BackgroundDescent::news) else {
@@ -211,7 +208,10 @@ impl Films {
         };
         match news {
             DescentNews::To(scene) => {
-                self.approach(state, Camera::from_view(&scene.view, Reach::TORUS), drawn);
+                // The descent has settled it; on the way, the window settles none.
+                let secs = scene.question.budget.secs.max(state.question.budget.secs);
+                state.question.budget = Budget { secs, ..scene.question.budget };
+                self.approach(state, Camera::from_view(&scene.view, Reach::TORUS), share);
                 self.descent.scenes.push(*scene);
             }
             DescentNews::Over(why) => {

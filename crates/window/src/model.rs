@@ -12,7 +12,6 @@ use super::action::Action;
 use super::canvas::MapRenderer;
 use super::commands::{choices, commands};
 use super::compute_service::{ComputeService, Wake};
-use super::descent::Drawn;
 use super::dialog::FileDialog;
 use super::exploring::Exploring;
 use super::exports::Exports;
@@ -222,8 +221,7 @@ impl AppModel {
         }
         let progress = self.compute.explorer.progress();
         self.estimates.time_left.read(state.target(), &progress, Instant::now());
-        let drawn = Drawn { share: progress.share, rate: self.meter.rate() };
-        let news = self.films.follow_descent(state, drawn);
+        let news = self.films.follow_descent(state, progress.share);
         // Views passed during a descent are left before anyone could read a warning about them.
         let stays = self.films.descent.running.is_none();
         let complete = progress.idle && progress.wanted > 0;

@@ -229,11 +229,6 @@ impl AppState {
         self.through(self.camera)
     }
 
-    /// Returns the number of samples with which the canvas is drawn in full.
-    pub(super) fn samples_on_canvas(&self) -> f64 {
-        self.canvas.x * self.canvas.y * self.pixels_per_point * self.pixels_per_point
-    }
-
     fn through(&self, camera: Camera) -> Screen {
         Screen { camera, size: self.canvas, pixels_per_point: self.pixels_per_point }
     }
