@@ -4,6 +4,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
 
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
@@ -31,6 +32,7 @@ pub(crate) struct SmallPictures {
 struct Running {
     news: Receiver<(usize, Vec<u8>)>,
     stopped: Arc<AtomicBool>,
+    thread: JoinHandle<()>,
 }
 
 impl Drop for Running {
@@ -45,19 +47,26 @@ impl SmallPictures {
         if documents == self.documents {
             return;
         }
+        // One thread at a time: while the last one ends, the new pictures wait for a later frame.
+        if let Some(running) = self.running.as_ref().filter(|r| !r.thread.is_finished()) {
+            running.stopped.store(true, Ordering::Relaxed);
+            self.documents.clear();
+            return;
+        }
         let (sender, news) = channel();
         let stopped = Arc::new(AtomicBool::new(false));
         let (stop, wake) = (Arc::clone(&stopped), Arc::clone(wake));
         self.documents.clone_from(&documents);
         // The pictures of before stay until those of the new documents come.
         self.textures.resize(documents.len(), None);
-        std::thread::spawn(move || {
+        let thread = std::thread::spawn(move || {
             lower_priority();
             if let Err(error) = compute(&documents, &stop, &sender, &wake) {
                 log::warn!("the small pictures are missing: {error}");
             }
+            wake();
         });
-        self.running = Some(Running { news, stopped });
+        self.running = Some(Running { news, stopped, thread });
     }
 
     /// Returns the picture of a document by its place in the list; none until it is computed.
