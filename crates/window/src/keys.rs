@@ -120,36 +120,30 @@ mod tests {
     use crate::state::tests::state;
     use glam::DVec2;
 
+    /// Returns the actions of a key in a place, with the text that it types after it, if any.
+    fn actions(
+        [key, place]: [Key; 2],
+        text: Option<&str>,
+        modifiers: Modifiers,
+        typing: bool,
+    ) -> Vec<Action> {
+        let mut input = InputState::default();
+        let physical_key = Some(place);
+        let press = Event::Key { key, physical_key, pressed: true, repeat: false, modifiers };
+        let text = text.map(|text| Event::Text(text.to_string()));
+        input.events.extend(std::iter::once(press).chain(text));
+        pressed(&mut input, &state(), typing)
+    }
+
     /// Returns the actions of a key in a place, with the character that it types on a layout, as the
     /// system reports them.
     fn typed(place: Key, text: &str, modifiers: Modifiers) -> Vec<Action> {
-        let mut input = InputState::default();
         let key = Key::from_name(text).unwrap_or(place);
-        let physical_key = Some(place);
-        input.events.push(Event::Key {
-            key,
-            physical_key,
-            pressed: true,
-            repeat: false,
-            modifiers,
-        });
-        if !modifiers.command {
-            input.events.push(Event::Text(text.to_string()));
-        }
-        pressed(&mut input, &state(), false)
+        actions([key, place], (!modifiers.command).then_some(text), modifiers, false)
     }
 
     fn named(key: Key, modifiers: Modifiers, typing: bool) -> Vec<Action> {
-        let mut input = InputState::default();
-        let physical_key = Some(key);
-        input.events.push(Event::Key {
-            key,
-            physical_key,
-            pressed: true,
-            repeat: false,
-            modifiers,
-        });
-        pressed(&mut input, &state(), typing)
+        actions([key; 2], None, modifiers, typing)
     }
 
     const SHIFT: Modifiers = Modifiers::SHIFT;

@@ -1,10 +1,9 @@
 //! The colours of a view that is narrower than the home map, spread over its own times.
 
-use glam::DVec2;
-
 use super::camera::{Camera, Screen};
 use super::state::AppState;
 use super::view_samples;
+use flipmap_pendulum::Status;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::palette::{ViewTimes, budget_range_secs};
 
@@ -104,11 +103,8 @@ fn paint(state: &mut AppState, times: Vec<f64>) -> bool {
 
 /// Returns the known flip times at the places of the view's small picture.
 fn times(screen: &Screen, explorer: &mut Explorer) -> ViewTimes {
-    let [width, height] = ViewTimes::grid(screen.size.to_array().map(|side| side as u32));
-    let step = screen.size / DVec2::new(f64::from(width), f64::from(height));
-    let middle = 0.5 * screen.size;
-    let places = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
-    let points =
-        places.map(|place| (DVec2::from(place.map(|k| f64::from(k) + 0.5))) * step - middle);
-    ViewTimes::new(points.filter_map(|point| view_samples::flip_secs(screen, explorer, point)))
+    let size = ViewTimes::grid(screen.size.to_array().map(|side| side as u32));
+    let known = view_samples::grid(screen, explorer, size).into_iter().flatten();
+    let flipped = known.filter(|outcome| outcome.status == Status::Answered);
+    ViewTimes::new(flipped.map(|outcome| outcome.time))
 }

@@ -9,9 +9,6 @@ impl AppModel {
     /// Returns the content of the line below the map.
     pub(super) fn status(&self) -> StatusLine {
         let progress = self.progress();
-        let depth = self.compute.explorer.depth().zip(self.compute.config());
-        let budget_secs = self.state.question.budget.secs;
-        let depth = depth.map(|(depth, config)| depth_words(&depth, config.precision, budget_secs));
         let [across, _] = self.state.plane.axes();
         StatusLine {
             progress,
@@ -20,7 +17,7 @@ impl AppModel {
             width: self.state.camera.width(),
             unit: across.unit(),
             sure: self.sure(),
-            depth,
+            depth: self.depth(),
             warning: self.estimates.forecast.warning(),
             doing: self.doing(),
         }
@@ -45,6 +42,12 @@ impl AppModel {
                 (said.clone(), said)
             }
         }
+    }
+
+    /// Returns facts about the depth of a deep view: a short text, and the full one.
+    fn depth(&self) -> Option<(String, String)> {
+        let (depth, config) = self.compute.explorer.depth().zip(self.compute.config())?;
+        Some(depth_words(&depth, config.precision, self.state.question.budget.secs))
     }
 
     /// Returns the longer task in progress, or what the view lacks.
@@ -76,7 +79,7 @@ impl AppModel {
         if rate > 0.0 {
             lines.push(format!("{} pendulums/s", short(rate)));
         }
-        if let Some((short, _)) = self.status().depth {
+        if let Some((short, _)) = self.depth() {
             lines.push(short);
         }
         lines.extend(self.measured.iter().cloned());

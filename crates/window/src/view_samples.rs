@@ -26,12 +26,6 @@ pub(crate) fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> 
     times
 }
 
-/// Returns the known flip time of the finest sample at a point, in s.
-pub(crate) fn flip_secs(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<f64> {
-    let outcome = best_answer(screen, explorer, point)?.outcome();
-    (outcome.status == Status::Answered).then_some(outcome.time)
-}
-
 /// Returns the outcome of the finest known sample at a point.
 pub(crate) fn outcome(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<Outcome> {
     Some(best_answer(screen, explorer, point)?.outcome())
@@ -48,7 +42,7 @@ pub(crate) fn grid(
     let places = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
     let point =
         |place: [u32; 2]| DVec2::from(place.map(|k| f64::from(k) + 0.5)) * step - 0.5 * screen.size;
-    places.map(|place| Some(best_answer(screen, explorer, point(place))?.outcome())).collect()
+    places.map(|place| outcome(screen, explorer, point(place))).collect()
 }
 
 /// Returns what is shown as a small picture; it is grey if the question cannot be painted.
