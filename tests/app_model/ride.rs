@@ -113,7 +113,7 @@ fn the_first_start_shows_a_card_once() {
     first.state_mut().save();
     let mut again = model(Folders::under(folder.path()), None);
     assert!(!shown(&again));
-    again.state_mut().act(vec![Action::Toggle(flipmap_window::state::Dialog::Card)]);
+    again.state_mut().act(vec![Action::Toggle(flipmap_window::state::Dialog::Greeting)]);
     again.run_steps(2);
     click(&mut again, "Look around");
     assert!(!shown(&again));

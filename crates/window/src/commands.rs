@@ -126,7 +126,7 @@ fn showing(layers: &Layers) -> Vec<Command> {
             [key(PLAIN, Key::F1), key(PLAIN, Key::Questionmark)],
             Action::Toggle(Dialog::Help),
         ),
-        command("What you are seeing", [], Action::Toggle(Dialog::Card)),
+        command("What you are seeing", [], Action::Toggle(Dialog::Greeting)),
         command(
             "Commands",
             [key(Modifiers::COMMAND, Key::K), key(Modifiers::COMMAND, Key::P)],

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::SyncSender;
 
 use super::action::{Action, Look};
+use super::background_work::BackgroundWork;
 use super::camera::Camera;
-use super::compute_service::{Wake, lower_priority};
+use super::compute_service::Wake;
 use super::dive::DivePace;
 use super::film::Films;
 use super::panels::descent::DescentAction;
@@ -27,10 +28,7 @@ const MOST_COARSER: u32 = 4;
 
 /// A descent on a thread with an engine of its own. Dropping it stops the descent.
 #[derive(Debug)]
-pub struct BackgroundDescent {
-    news: Receiver<DescentNews>,
-    stopped: Arc<AtomicBool>,
-}
+pub struct BackgroundDescent(BackgroundWork<DescentNews>);
 
 /// A message from a descent.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,27 +56,22 @@ impl BackgroundDescent {
         wake: Wake,
     ) -> Self {
         // The descent waits for the window: it computes a few views ahead and no more.
-        let (sender, news) = sync_channel(AHEAD);
-        let stopped = Arc::new(AtomicBool::new(false));
-        let stop = Arc::clone(&stopped);
-        std::thread::spawn(move || {
-            lower_priority();
+        BackgroundDescent(BackgroundWork::start(AHEAD, move |sender, stop| {
             // The pictures are small: opening a graphics card would take longer.
             let engine = EngineRequest { kind: Some(EngineKind::Cpu), adapter: None, ..engine };
-            let why = match descent(scene, towards, &engine, &stop, (&sender, &wake)) {
+            let why = match descent(scene, towards, &engine, stop, (sender, &wake)) {
                 Ok(()) => "There is no structure nearby, so the zoom ends here.".to_string(),
                 Err(error) => format!("The descent ended: {error}."),
             };
             // Sending fails if the descent was stopped: its receiver is gone.
             let _ = sender.send(DescentNews::Over(why));
             wake();
-        });
-        BackgroundDescent { news, stopped }
+        }))
     }
 
     /// Returns the next message of the descent, if there is one.
     pub(crate) fn news(&self) -> Option<DescentNews> {
-        self.news.try_recv().ok()
+        self.0.news()
     }
 }
 
@@ -256,12 +249,6 @@ impl Films {
         let shown = state.document();
         let scenes = self.descent.scenes.iter().cloned();
         self.draft.take_descent(scenes.map(|scene| shown.clone().with_scene(scene)));
-    }
-}
-
-impl Drop for BackgroundDescent {
-    fn drop(&mut self) {
-        self.stopped.store(true, Ordering::Relaxed);
     }
 }
 

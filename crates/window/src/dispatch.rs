@@ -1,6 +1,6 @@
 //! What each action does: the model passes it to the components that it concerns.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::action::{Action, Look};
@@ -8,8 +8,7 @@ use super::dialog::{DialogAnswer, FileDialog};
 use super::integration::Integration;
 use super::model::{AppModel, Asking};
 use super::pin_start::PinStart;
-use super::screen_picture::free_path;
-use super::settings::{Appearance, Settings};
+use super::settings::Settings;
 use super::state::{AppState, Effect};
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::run_settings::RunSpec;
@@ -30,10 +29,13 @@ impl AppModel {
             return None;
         }
         self.films.give_way_to(&action, &mut self.state);
-        self.state.shown.card &= !action.is_of_map();
+        self.state.shown.greeting &= !action.is_of_map();
         let shown = || Box::new(self.state.as_drawn());
         match action {
-            Action::SavePicture => Some(Effect::SavePicture(shown(), self.picture_path())),
+            Action::SavePicture => {
+                let beside: &Path = self.forms.export.path.as_ref();
+                Some(Effect::SavePicture(shown(), self.saved_pictures.next_path(beside)))
+            }
             Action::CopyPicture => Some(Effect::CopyPicture(shown())),
             Action::CopyLocation => Some(Effect::Copy(self.state.copied_location())),
             Action::FullScreen => Some(Effect::FullScreen),
@@ -63,11 +65,11 @@ impl AppModel {
             Action::InLab(action) => self.in_lab(action),
             Action::OpenInLab(figure, start) => self.open_in_lab(figure, start),
             Action::FromLab(start) => self.aimed_in_lab(start),
-            Action::Pin(_)
-            | Action::HoldPin(_)
-            | Action::MovePin(_)
-            | Action::Unpin
-            | Action::Pins(_) => self.change_pins(action),
+            Action::Pin(point) => self.pin(self.state.pixel_at(point)),
+            Action::HoldPin(pin) => state.pins.held = pin,
+            Action::MovePin(point) => self.move_pin(point),
+            Action::Unpin => state.pins.remove_clicked(),
+            Action::Pins(action) => state.pins.apply(action),
             Action::PlayPause => self.play_or_pause(),
             Action::Scene(scene) => {
                 state.ask(&scene);
@@ -95,9 +97,10 @@ impl AppModel {
             Action::Find(angle) => state.find(angle),
             Action::HoldNotices => state.notices.hold(),
             Action::Dismiss(id) => state.notices.dismiss(id),
-            Action::UiScale(_) | Action::Theme(_) | Action::Animate(_) | Action::Edges(_) => {
-                change_look(&mut state.look, &action);
-            }
+            Action::UiScale(scale) => state.look.ui_scale = Settings::within_ui_scales(scale),
+            Action::Theme(theme) => state.look.theme = theme,
+            Action::Animate(animate) => state.look.animate = animate,
+            Action::Edges(edges) => state.look.edges = edges,
             // What the window itself does was taken out before.
             Action::SavePicture
             | Action::CopyPicture
@@ -114,25 +117,6 @@ impl AppModel {
     fn go_to(&mut self, go: impl FnOnce(&mut AppState) -> bool) {
         let reopens = go(&mut self.state);
         self.follow(reopens);
-    }
-
-    /// Carries out an action on pins.
-    fn change_pins(&mut self, action: Action) {
-        match action {
-            Action::Pin(point) => self.pin(self.state.pixel_at(point)),
-            Action::HoldPin(pin) => self.state.pins.held = pin,
-            Action::MovePin(point) => self.move_pin(point),
-            Action::Unpin => self.state.pins.remove_clicked(),
-            Action::Pins(action) => self.state.pins.apply(action),
-            _ => {}
-        }
-    }
-
-    /// Returns the path of the next picture that is saved at once, beside that of exports.
-    fn picture_path(&self) -> PathBuf {
-        let folder = Path::new(&self.forms.export.path).parent().unwrap_or(Path::new("."));
-        let path = free_path(folder);
-        std::path::absolute(&path).unwrap_or(path)
     }
 
     /// Lets the wheel and the space bar steer a dive instead of the map; returns true if they did.
@@ -249,16 +233,5 @@ impl AppModel {
             }
             _ => {}
         }
-    }
-}
-
-/// Carries out an action on the appearance of the window.
-fn change_look(look: &mut Appearance, action: &Action) {
-    match *action {
-        Action::UiScale(scale) => look.ui_scale = Settings::within_ui_scales(scale),
-        Action::Theme(theme) => look.theme = theme,
-        Action::Animate(animate) => look.animate = animate,
-        Action::Edges(edges) => look.edges = edges,
-        _ => {}
     }
 }

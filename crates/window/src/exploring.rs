@@ -1,5 +1,8 @@
 //! The section for exploring: where the view is, views seen before, and places worth a look.
 
+use std::f64::consts::TAU;
+
+use egui::load::SizedTexture;
 use egui::{TextureHandle, Ui, vec2};
 
 use super::action::{Action, Look};
@@ -10,19 +13,19 @@ use super::model::AppModel;
 use super::panels::tiles::{PlaceTile, place_tiles};
 use super::panels::whereabouts::whereabouts;
 use super::reach::Reach;
-use super::small_pictures::SmallPictures;
+use super::small_pictures::{ASPECT, SmallPictures};
 use flipmap_lab::number_text::fixed;
 use flipmap_scene::question::QuestionName;
-use flipmap_scene::{Document, View};
+use flipmap_scene::{Budget, Document, Scene, View};
 
-/// Ratio of a small picture's width to its height.
-const PICTURE_ASPECT: f64 = 96.0 / 60.0;
+/// Number of finds in a row of tiles.
+const FINDS_IN_ROW: usize = 3;
 
 /// What the section for exploring has found out about the view.
 #[derive(Default)]
 pub(crate) struct Exploring {
-    /// Camera and document of the view whose finds are known.
-    of: Option<(Camera, Document)>,
+    /// The view whose finds are known, and what is asked there.
+    of: Option<(Camera, Scene)>,
     finds: Vec<Find>,
     find_pictures: SmallPictures,
     whole: SmallPictures,
@@ -43,9 +46,9 @@ impl Exploring {
 }
 
 impl AppModel {
-    /// Takes the view among those seen, once it is complete and at rest.
+    /// Takes the view, which is complete, among those seen if it is at rest.
     pub(super) fn see_view(&mut self) {
-        if self.progress().is_complete() && self.state.rests() {
+        if self.state.rests() {
             self.exploring.last_views.see(&self.state, &mut self.compute.explorer);
         }
     }
@@ -61,30 +64,30 @@ impl AppModel {
             ui.add_space(4.0);
         }
         let ctx = ui.ctx().clone();
-        let (tiles, documents): (Vec<_>, Vec<_>) = self
-            .exploring
-            .last_views
-            .before()
-            .take(4)
-            .enumerate()
-            .map(|(place, seen)| {
-                let picture = Some(seen.texture(&ctx).id());
-                let name = format!("View {} before", place + 1);
-                (PlaceTile { name, captions: Vec::new(), picture }, seen.document.clone())
+        let views = &mut self.exploring.last_views;
+        let (tiles, documents): (Vec<_>, Vec<_>) = (1..)
+            .zip(views.before())
+            .map(|(steps, seen)| {
+                let picture = Some(SizedTexture::from_handle(seen.texture(&ctx)));
+                let name = format!("View {steps} before");
+                (PlaceTile { name, captions: Vec::new(), picture }, &seen.document)
             })
             .unzip();
-        let clicked = place_tiles(ui, &tiles, 4);
+        let clicked = place_tiles(ui, &tiles, LastViews::BEFORE);
         actions.extend(clicked.map(|k| Action::Show(Box::new(documents[k].clone()))));
         actions
     }
 
-    /// Returns the document of the whole torus, as wide as a small picture shows it in full height.
+    /// Returns the document of the whole torus, as wide as a small picture shows it in full height. A
+    /// budget that follows the view is the whole map's own, so that dives leave the picture alone.
     fn whole_map(&self) -> Document {
-        let shown = self.state.document();
-        let width = format!("{:?}", PICTURE_ASPECT * std::f64::consts::TAU);
+        let width = format!("{:?}", TAU / f64::from(ASPECT));
         let view = View { width, fit: false, ..View::default() };
-        let mut document = Document { view, ..shown };
+        let mut document = self.state.document_at(view);
         document.picture.forget_view_times();
+        if document.question.budget.auto {
+            document.question.budget = Budget::default();
+        }
         document
     }
 
@@ -107,33 +110,31 @@ impl AppModel {
         let tile = |(place, find): (usize, &Find)| {
             let secs = find.secs.map(|secs| format!("{} s", fixed(secs, 2)));
             let captions = std::iter::once(find.name.to_string()).chain(secs).collect();
-            let picture = find_pictures.texture(&ctx, place).map(TextureHandle::id);
+            let picture = find_pictures.texture(&ctx, place).map(SizedTexture::from_handle);
             PlaceTile { name: find.name.to_string(), captions, picture }
         };
         let tiles: Vec<_> = finds.iter().enumerate().map(tile).collect();
-        let clicked = place_tiles(ui, &tiles, 3)?;
+        let clicked = place_tiles(ui, &tiles, FINDS_IN_ROW)?;
         Some(Action::Look(Look::To(finds[clicked].camera)))
     }
 
     /// Looks for finds in a view that is complete and at rest, once.
     fn find(&mut self) {
+        self.exploring.find_pictures.begin(&self.wake);
         if !self.progress().is_complete() || !self.state.rests() {
             return;
         }
-        let (camera, shown) = (self.state.camera, self.state.document());
-        let is_known = |(of, document): &(Camera, Document)| {
-            *of == camera && document.scene() == shown.scene()
-        };
-        if self.exploring.of.as_ref().is_some_and(is_known) {
+        let of = (self.state.camera, self.state.scene());
+        if self.exploring.of.as_ref() == Some(&of) {
             return;
         }
         let found = finds(&self.state.screen(), &mut self.compute.explorer);
         let documents = found.iter().map(|find| {
-            let mut document = Document { view: find.camera.view(), ..shown.clone() };
+            let mut document = self.state.document_at(find.camera.view());
             document.picture.forget_view_times();
             document
         });
         self.exploring.find_pictures.of(documents.collect(), &self.wake);
-        (self.exploring.finds, self.exploring.of) = (found, Some((camera, shown)));
+        (self.exploring.finds, self.exploring.of) = (found, Some(of));
     }
 }

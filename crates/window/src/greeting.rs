@@ -34,7 +34,7 @@ pub(crate) struct Greeting {
 impl AppModel {
     /// Shows the greeting over the map, if it is open; returns the user's actions.
     pub(super) fn greet(&mut self, ui: &Ui, map: Rect) -> Vec<Action> {
-        if !self.state.shown.card {
+        if !self.state.shown.greeting {
             if std::mem::take(&mut self.greeting).has_begun {
                 self.state.shown.timeline = None;
             }
@@ -89,5 +89,5 @@ fn hint(ui: &Ui, map: Rect) -> Option<Action> {
             ui.button("Look around").clicked()
         })
     });
-    shown.inner.inner.then_some(Action::Toggle(Dialog::Card))
+    shown.inner.inner.then_some(Action::Toggle(Dialog::Greeting))
 }

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::film_draft::FilmDraft;
-use super::folders::Folders;
+use super::folders::{Folders, free_beside};
 use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::keys::Keys;
 
@@ -63,7 +63,7 @@ impl KeptKeys {
         let Some(path) = self.path.clone() else { return Ok(None) };
         let is_same = self.text.is_some() && text_in(&path) == self.text;
         let is_ours = is_same || !path.exists();
-        let own = if is_ours { path.clone() } else { free_name(&path) };
+        let own = if is_ours { path.clone() } else { free_beside(&path, "film-keys", |_| false) };
         match &text {
             Some(text) => {
                 if let Some(folder) = own.parent() {
@@ -91,11 +91,6 @@ fn text_of(draft: &FilmDraft) -> Option<String> {
 /// Returns the text of the keys in a file; none if it has none.
 fn text_in(path: &Path) -> Option<String> {
     Some(Keys::parse(&read_text(path).ok()?).ok()?.text())
-}
-
-fn free_name(path: &Path) -> PathBuf {
-    let names = (1..).map(|k| path.with_file_name(format!("film-keys-{k}.toml")));
-    names.into_iter().find(|name| !name.exists()).expect("some name is free")
 }
 
 #[cfg(test)]

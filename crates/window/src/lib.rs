@@ -31,6 +31,7 @@ mod answerable;
 mod answers;
 mod arrivals;
 mod auto_budget;
+mod background_work;
 pub mod camera;
 mod canvas;
 mod captions;

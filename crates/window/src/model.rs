@@ -152,7 +152,7 @@ impl AppModel {
         state.integration.kind = options.request.kind;
         state.look = Appearance::of(&settings);
         // A window that keeps nothing would greet its user each time.
-        state.shown.card = !settings.greeted && store.keeps();
+        state.shown.greeting = !settings.greeted && store.keeps();
         state.layers = if options.document.is_none() { settings.layers } else { state.layers };
         for problem in notice.into_iter().chain(problem) {
             state.notices.fail(problem);

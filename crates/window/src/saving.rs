@@ -53,7 +53,7 @@ impl AppModel {
     fn gather_settings(&mut self) {
         let AppState { look, layers, shown, .. } = &self.state;
         let Appearance { animate, theme, ui_scale, edges } = *look;
-        let greeted = self.settings.greeted || !shown.card;
+        let greeted = self.settings.greeted || !shown.greeting;
         let film = FilmForm::of(&self.films.draft);
         let (layers, settings) = (*layers, self.settings.clone());
         self.settings =

@@ -2,23 +2,27 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use egui::ColorImage;
 
 use super::canvas::copied::CopiedPicture;
 use super::compute_service::Wake;
+use super::folders::free_beside;
 use super::model::AppModel;
 use flipmap_render::output::{PictureFile, RowPainter};
 use flipmap_scene::Document;
 
-/// Highest number in the name of a picture; beyond that, names are taken again from 1 upwards.
-const LAST_NUMBER: u32 = 99_999;
-
 /// Pictures that are being written.
 #[derive(Default)]
 pub(crate) struct SavedPictures {
-    running: Vec<Receiver<Result<PathBuf, String>>>,
+    running: Vec<Running>,
+}
+
+/// A picture that a thread writes, and how that ends.
+struct Running {
+    path: PathBuf,
+    news: Receiver<Result<(), String>>,
 }
 
 impl SavedPictures {
@@ -30,26 +34,33 @@ impl SavedPictures {
         path: PathBuf,
         wake: Wake,
     ) {
-        let (sender, news) = channel();
+        let ((sender, news), to) = (channel(), path.clone());
         std::thread::spawn(move || {
-            let written = write(copied, &document, &path).map(|()| path);
             // The window may have been closed by now; the picture is written all the same.
-            let _ = sender.send(written);
+            let _ = sender.send(write(copied, &document, &to));
             wake();
         });
-        self.running.push(news);
+        self.running.push(Running { path, news });
+    }
+
+    /// Returns the path of the next picture beside a file: flipmap-1.png, flipmap-2.png, … that
+    /// neither exists nor is being written.
+    pub(crate) fn next_path(&self, beside: &Path) -> PathBuf {
+        let near = beside.parent().unwrap_or(Path::new("")).join("flipmap.png");
+        let near = std::path::absolute(&near).unwrap_or(near);
+        let is_taken = |path: &Path| self.running.iter().any(|running| running.path == path);
+        free_beside(&near, "flipmap", is_taken)
     }
 
     /// Returns what has become of the pictures that are finished.
-    pub(crate) fn news(&mut self) -> Vec<Result<PathBuf, String>> {
+    fn news(&mut self) -> Vec<Result<PathBuf, String>> {
         let mut news = Vec::new();
-        self.running.retain(|picture| match picture.try_recv() {
+        self.running.retain(|Running { path, news: of }| match of.try_recv() {
             Ok(written) => {
-                news.push(written);
+                news.push(written.map(|()| path.clone()));
                 false
             }
-            Err(std::sync::mpsc::TryRecvError::Empty) => true,
-            Err(std::sync::mpsc::TryRecvError::Disconnected) => false,
+            Err(error) => error == TryRecvError::Empty,
         });
         news
     }
@@ -121,23 +132,23 @@ fn write(copied: CopiedPicture, document: &Document, path: &Path) -> Result<(), 
     written().map_err(|error| format!("cannot write {}: {error}", path.display()))
 }
 
-/// Returns a path in a folder that no file has: flipmap-1.png, flipmap-2.png, …
-pub(crate) fn free_path(folder: &Path) -> PathBuf {
-    let named = |number: u32| folder.join(format!("flipmap-{number}.png"));
-    (1..=LAST_NUMBER).map(named).find(|path| !path.exists()).unwrap_or_else(|| named(1))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn pictures_never_replace_each_other() {
+    fn a_picture_never_replaces_one_that_is_still_being_written() {
         let folder = tempfile::tempdir().unwrap();
-        assert_eq!(free_path(folder.path()).file_name().unwrap(), "flipmap-1.png");
-        for name in ["flipmap-1.png", "flipmap-2.png", "flipmap-4.png"] {
-            std::fs::write(folder.path().join(name), "").unwrap();
-        }
-        assert_eq!(free_path(folder.path()).file_name().unwrap(), "flipmap-3.png");
+        let beside = folder.path().join("map.npy");
+        let mut pictures = SavedPictures::default();
+        let first = pictures.next_path(&beside);
+        assert_eq!(first, folder.path().join("flipmap-1.png"));
+        let (sender, news) = channel();
+        pictures.running.push(Running { path: first.clone(), news });
+        assert_eq!(pictures.next_path(&beside), folder.path().join("flipmap-2.png"));
+        assert!(pictures.news().is_empty());
+        sender.send(Ok(())).unwrap();
+        assert_eq!(pictures.news(), [Ok(first.clone())]);
+        assert_eq!(pictures.next_path(&beside), first, "it was never written");
     }
 }

@@ -3,12 +3,13 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread::JoinHandle;
+use std::sync::mpsc::SyncSender;
 
-use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use egui::{Context, TextureHandle};
 
-use super::compute_service::{Wake, lower_priority};
+use super::background_work::BackgroundWork;
+use super::compute_service::Wake;
+use super::thumbs::loaded;
 use flipmap_engine::choice::{ChoiceError, EngineRequest, IntegrationSetting};
 use flipmap_engine::{Accuracy, EngineError, EngineKind};
 use flipmap_pendulum::Status;
@@ -20,62 +21,55 @@ use flipmap_scene::{Document, PictureTable, Sampling, Scene, SceneError};
 /// Width and height of a picture in pixels.
 pub(crate) const SIZE: [u32; 2] = [96, 60];
 
+/// Height of a picture as a share of its width.
+pub(crate) const ASPECT: f32 = SIZE[1] as f32 / SIZE[0] as f32;
+
 /// Pictures of a list of documents, of which some may still be missing.
 #[derive(Default)]
 pub(crate) struct SmallPictures {
-    documents: Vec<Document>,
+    wanted: Vec<Document>,
+    /// Documents whose pictures are computed, or being computed.
+    begun: Vec<Document>,
     textures: Vec<Option<TextureHandle>>,
-    running: Option<Running>,
-}
-
-/// A thread that computes pictures. Dropping it stops the thread after the current picture.
-struct Running {
-    news: Receiver<(usize, Vec<u8>)>,
-    stopped: Arc<AtomicBool>,
-    thread: JoinHandle<()>,
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        self.stopped.store(true, Ordering::Relaxed);
-    }
+    running: Option<BackgroundWork<(usize, Vec<u8>)>>,
 }
 
 impl SmallPictures {
-    /// Begins to compute the pictures of these documents, unless they are those that are shown.
+    /// Asks for the pictures of these documents, and begins to compute them.
     pub(crate) fn of(&mut self, documents: Vec<Document>, wake: &Wake) {
-        if documents == self.documents {
+        self.wanted = documents;
+        self.begin(wake);
+    }
+
+    /// Begins to compute the pictures that were asked for last, unless that was done. Only one thread
+    /// computes at a time: until the last one has stopped, a later call has to begin.
+    pub(crate) fn begin(&mut self, wake: &Wake) {
+        if self.wanted == self.begun {
             return;
         }
-        // One thread at a time: while the last one ends, the new pictures wait for a later frame.
-        if let Some(running) = self.running.as_ref().filter(|r| !r.thread.is_finished()) {
-            running.stopped.store(true, Ordering::Relaxed);
-            self.documents.clear();
+        if let Some(running) = self.running.as_ref().filter(|running| !running.has_ended()) {
+            running.stop();
+            self.begun.clear();
             return;
         }
-        let (sender, news) = channel();
-        let stopped = Arc::new(AtomicBool::new(false));
-        let (stop, wake) = (Arc::clone(&stopped), Arc::clone(wake));
-        self.documents.clone_from(&documents);
+        self.begun.clone_from(&self.wanted);
         // The pictures of before stay until those of the new documents come.
-        self.textures.resize(documents.len(), None);
-        let thread = std::thread::spawn(move || {
-            lower_priority();
-            if let Err(error) = compute(&documents, &stop, &sender, &wake) {
+        self.textures.resize(self.begun.len(), None);
+        let (documents, wake) = (self.begun.clone(), Arc::clone(wake));
+        self.running = Some(BackgroundWork::start(documents.len(), move |sender, stop| {
+            if let Err(error) = compute(&documents, stop, sender, &wake) {
                 log::warn!("the small pictures are missing: {error}");
             }
             wake();
-        });
-        self.running = Some(Running { news, stopped, thread });
+        }));
     }
 
     /// Returns the picture of a document by its place in the list; none until it is computed.
     pub(crate) fn texture(&mut self, ctx: &Context, place: usize) -> Option<&TextureHandle> {
-        let news = self.running.iter().flat_map(|running| running.news.try_iter());
-        for (place, rgb) in news {
-            let image = ColorImage::from_rgb(SIZE.map(|side| side as usize), &rgb);
+        let running = self.running.iter();
+        for (place, rgb) in running.flat_map(|work| std::iter::from_fn(|| work.news())) {
             let name = format!("small picture {place}");
-            self.textures[place] = Some(ctx.load_texture(name, image, TextureOptions::LINEAR));
+            self.textures[place] = Some(loaded(ctx, name, SIZE, &rgb));
         }
         self.textures.get(place)?.as_ref()
     }
@@ -95,10 +89,12 @@ enum SmallPictureError {
 fn compute(
     documents: &[Document],
     stop: &AtomicBool,
-    sender: &Sender<(usize, Vec<u8>)>,
+    sender: &SyncSender<(usize, Vec<u8>)>,
     wake: &Wake,
 ) -> Result<(), SmallPictureError> {
     let setting = IntegrationSetting::Accuracy(Accuracy::Fast);
+    // Pictures that need the same engine share it.
+    let mut opened: Option<(EngineRequest, Renderer)> = None;
     for (place, document) in documents.iter().enumerate() {
         if stop.load(Ordering::Relaxed) {
             break;
@@ -107,8 +103,14 @@ fn compute(
         // Opening a graphics card would take longer than a picture.
         let kind = Some(EngineKind::Cpu);
         let request = EngineRequest { kind, setting, ..EngineRequest::default() };
-        let mut renderer = Renderer::new(&request.answering(&scene.question))?;
-        let samples = renderer.render(&scene, SIZE)?;
+        let request = request.answering(&scene.question);
+        let mut renderer = match opened.take().filter(|(of, _)| *of == request) {
+            Some((_, renderer)) => renderer,
+            None => Renderer::new(&request)?,
+        };
+        let goes_on = |_, _| !stop.load(Ordering::Relaxed);
+        let Some(samples) = renderer.render_while(&scene, SIZE, &goes_on)? else { break };
+        opened = Some((request, renderer));
         let rgb = painted(&scene, &document.picture, &samples)?;
         if sender.send((place, rgb)).is_err() {
             break;
@@ -135,4 +137,31 @@ fn painted(
         picture.times = ViewTimes::new(times).spread(weight, range_secs);
     }
     Ok(RowPainter::new(scene, SIZE, &picture)?.paint(samples))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute_service::woken;
+    use flipmap_scene::BuiltIn;
+    use std::time::Duration;
+
+    #[test]
+    fn pictures_asked_for_while_others_are_computed_come_after_them() {
+        let documents = |names: &[&str]| -> Vec<Document> {
+            names.iter().map(|name| BuiltIn::named(name).unwrap().document()).collect()
+        };
+        let ((wake, woken), ctx) = (woken(), Context::default());
+        let mut pictures = SmallPictures::default();
+        pictures.of(documents(&["filigree", "threads", "deep"]), &wake);
+        pictures.of(documents(&["lesson", "home"]), &wake);
+        assert!(pictures.texture(&ctx, 0).is_none(), "nothing is computed yet");
+        while (0..2).any(|place| pictures.texture(&ctx, place).is_none()) {
+            woken.recv_timeout(Duration::from_secs(60)).unwrap();
+            pictures.begin(&wake);
+        }
+        assert_eq!(pictures.begun, documents(&["lesson", "home"]));
+        assert_eq!(pictures.texture(&ctx, 1).unwrap().size(), SIZE.map(|side| side as usize));
+        assert!(pictures.texture(&ctx, 2).is_none());
+    }
 }

@@ -20,7 +20,7 @@ use flipmap_engine::IntegratorConfig;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_numbers::Exact;
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
-use flipmap_scene::{Document, PendulumSpec, PictureTable, Plane, QuestionSettings, Scene};
+use flipmap_scene::{Document, PendulumSpec, PictureTable, Plane, QuestionSettings, Scene, View};
 
 /// A panel or window that opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub enum Dialog {
     /// The window's measurements of itself.
     Debug,
     /// The greeting of the first start.
-    Card,
+    Greeting,
     /// The pendulums of all pins, in place of the map.
     Stage,
     /// The question before the window closes while exports are running.
@@ -57,7 +57,7 @@ pub struct OpenDialogs {
     /// True if the window's measurements of itself are shown.
     pub debug: bool,
     /// True if the greeting of the first start is shown.
-    pub card: bool,
+    pub greeting: bool,
     /// True if the pendulums of all pins are shown in place of the map.
     pub stage: bool,
     /// True if the laboratory is shown.
@@ -172,7 +172,7 @@ impl AppState {
                 help: false,
                 commands: false,
                 debug: false,
-                card: false,
+                greeting: false,
                 stage: false,
                 lab: false,
                 leaving: false,
@@ -188,12 +188,17 @@ impl AppState {
 
     /// Returns what is shown as a document.
     pub fn document(&self) -> Document {
+        self.document_at(self.target().view())
+    }
+
+    /// Returns what is asked and how it is painted as a document of another view.
+    pub(super) fn document_at(&self, view: View) -> Document {
         let curve = self.layers.curve;
         Document {
             pendulum: self.build,
             question: self.question,
             plane: self.plane.clone(),
-            view: self.target().view(),
+            view,
             picture: PictureTable { curve, ..self.picture.clone() },
             run: self.integration.spec.table.clone(),
             ..Document::default()
@@ -320,7 +325,7 @@ impl AppState {
             Dialog::Help => &mut self.shown.help,
             Dialog::Commands => &mut self.shown.commands,
             Dialog::Debug => &mut self.shown.debug,
-            Dialog::Card => &mut self.shown.card,
+            Dialog::Greeting => &mut self.shown.greeting,
             Dialog::Stage => &mut self.shown.stage,
             Dialog::Leaving => &mut self.shown.leaving,
         };
@@ -350,10 +355,10 @@ impl AppState {
     /// Closes whatever is open.
     pub(super) fn escape(&mut self) {
         self.drawing = None;
-        let OpenDialogs { help, commands, card, stage, lab, leaving, .. } = self.shown;
+        let OpenDialogs { help, commands, greeting, stage, lab, leaving, .. } = self.shown;
         // What lies on top is closed first.
-        let above = help || commands || card || leaving;
-        (self.shown.help, self.shown.commands, self.shown.card) = (false, false, false);
+        let above = help || commands || greeting || leaving;
+        (self.shown.help, self.shown.commands, self.shown.greeting) = (false, false, false);
         self.shown.leaving = false;
         (self.shown.stage, self.shown.lab) = (stage && above, lab && (above || stage));
     }

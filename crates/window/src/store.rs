@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use toml::{Table, Value};
 
-use super::folders::Folders;
+use super::folders::{Folders, free_beside};
 use super::settings::Settings;
 use super::settings_file::{BadValue, merge, remove_bad, warn_of_unknown};
 use flipmap_render::output::{Destination, SafeFile, read_text};
@@ -32,6 +32,8 @@ pub struct Loaded {
     pub notice: Option<String>,
 }
 
+/// Beginning of the names under which files with bad values are kept.
+const BAD: &str = "settings-bad";
 /// Number of times that a window tries to lock the file, and the time between two of them.
 const TRIES: u32 = 10;
 const BETWEEN_TRIES: Duration = Duration::from_millis(5);
@@ -106,7 +108,7 @@ impl Store {
 
     /// Moves a bad file to a free name; if that fails it stays, and nothing is saved over it.
     fn set_aside(&mut self, path: &Path, why: &str) -> String {
-        let aside = free_name(path);
+        let aside = free_beside(path, BAD, |_| false);
         let kept = match std::fs::rename(path, &aside) {
             Ok(()) => aside.display().to_string(),
             Err(_) => {
@@ -173,16 +175,11 @@ fn keep_copy(path: &Path, bad: &[BadValue]) -> String {
 
 /// Copies a file to a free name; returns words that say so, or none if it cannot be copied.
 fn copied(path: &Path) -> String {
-    let copy = free_name(path);
+    let copy = free_beside(path, BAD, |_| false);
     match std::fs::copy(path, &copy) {
         Ok(_) => format!("; the old file is kept as {}", copy.display()),
         Err(_) => String::new(),
     }
-}
-
-fn free_name(path: &Path) -> PathBuf {
-    let names = (1..).map(|k| path.with_file_name(format!("settings-bad-{k}.toml")));
-    names.into_iter().find(|name| !name.exists()).expect("some name is free")
 }
 
 fn table_of(settings: &Settings) -> Table {

@@ -1,13 +1,26 @@
-//! Small pictures of the built-in places.
+//! Small pictures of the built-in places, and pictures as textures.
+
+use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 
 use flipmap_assets::THUMBS;
 
 /// Returns the picture of a built-in scene: its width and height, and three bytes per pixel.
-pub(super) fn thumb(name: &str) -> Option<([usize; 2], Vec<u8>)> {
+pub(super) fn thumb(name: &str) -> Option<([u32; 2], Vec<u8>)> {
     let (_, jpeg) = THUMBS.iter().find(|(other, _)| *other == name)?;
     let image = image::load_from_memory_with_format(jpeg, image::ImageFormat::Jpeg).ok()?;
     let rgb = image.into_rgb8();
-    Some(([rgb.width(), rgb.height()].map(|side| side as usize), rgb.into_raw()))
+    Some(([rgb.width(), rgb.height()], rgb.into_raw()))
+}
+
+/// Returns a picture of three bytes per pixel as a texture of the window.
+pub(super) fn loaded(
+    ctx: &Context,
+    name: impl Into<String>,
+    size: [u32; 2],
+    rgb: &[u8],
+) -> TextureHandle {
+    let image = ColorImage::from_rgb(size.map(|side| side as usize), rgb);
+    ctx.load_texture(name, image, TextureOptions::LINEAR)
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use egui::{
-    Button, ColorImage, Context, Image, Key, Response, Role, TextEdit, TextureHandle, Ui, Vec2,
-    WidgetInfo, vec2,
+    Button, Context, Image, Key, Response, Role, TextEdit, TextureHandle, Ui, Vec2, WidgetInfo,
+    vec2,
 };
 
 use crate::places::{Bookmark, Places};
-use crate::thumbs::thumb;
+use crate::thumbs::{loaded, thumb};
 use flipmap_render::output::Picture;
 use flipmap_scene::{BUILT_IN, Document};
 
@@ -62,8 +62,7 @@ impl Thumbnails {
         let same = |(picture, _): &(Arc<Picture>, _)| Arc::ptr_eq(picture, &bookmark.picture);
         let place = self.textures.iter().position(same).unwrap_or_else(|| {
             let Picture { size, rgb, .. } = &*bookmark.picture;
-            let image = ColorImage::from_rgb(size.map(|side| side as usize), rgb);
-            let texture = ctx.load_texture(&bookmark.name, image, egui::TextureOptions::LINEAR);
+            let texture = loaded(ctx, &bookmark.name, *size, rgb);
             self.textures.push((Arc::clone(&bookmark.picture), texture));
             self.textures.len() - 1
         });
@@ -77,8 +76,7 @@ impl Thumbnails {
             Some(place) => place,
             None => {
                 let (size, rgb) = thumb(name)?;
-                let image = ColorImage::from_rgb(size, &rgb);
-                let texture = ctx.load_texture(name, image, egui::TextureOptions::LINEAR);
+                let texture = loaded(ctx, name, size, &rgb);
                 self.built_in.push((name, texture));
                 self.built_in.len() - 1
             }

@@ -2,6 +2,7 @@
 
 use egui::{Color32, Image, Rect, Role, Sense, TextureId, Ui, WidgetInfo, vec2};
 
+use crate::small_pictures::ASPECT;
 use flipmap_scene::QuestionSettings;
 use flipmap_scene::question::QuestionName;
 
@@ -9,8 +10,6 @@ use flipmap_scene::question::QuestionName;
 const FIRST_STATE_SECS: f64 = 5.0;
 /// Number of tiles in a row.
 const COLUMNS: usize = 2;
-/// Height of a tile as a share of its width, without its title.
-const ASPECT: f32 = 0.625;
 /// Height of a title in points.
 const TITLE_POINTS: f32 = 20.0;
 

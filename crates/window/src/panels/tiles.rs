@@ -1,6 +1,9 @@
 //! Pictures of places that open them, in rows.
 
-use egui::{Image, Rect, Role, Sense, TextureId, Ui, Vec2, WidgetInfo, vec2};
+use egui::load::SizedTexture;
+use egui::{Image, Rect, Role, Sense, Ui, Vec2, WidgetInfo, pos2, vec2};
+
+use crate::small_pictures::ASPECT;
 
 /// A picture of a place, with a caption that may be empty.
 pub(crate) struct PlaceTile {
@@ -9,7 +12,7 @@ pub(crate) struct PlaceTile {
     /// Texts below the picture.
     pub captions: Vec<String>,
     /// The picture, once it is known.
-    pub picture: Option<TextureId>,
+    pub picture: Option<SizedTexture>,
 }
 
 /// Shows tiles of equal size in rows of `columns`; returns the index of the one that was clicked.
@@ -24,7 +27,7 @@ pub(crate) fn place_tiles(ui: &mut Ui, tiles: &[PlaceTile], columns: usize) -> O
                 ui.allocate_ui(vec2(width, 0.0), |ui| {
                     ui.vertical(|ui| {
                         ui.set_width(width);
-                        if picture(ui, tile, vec2(width, (0.625 * width).round())) {
+                        if picture(ui, tile, vec2(width, (ASPECT * width).round())) {
                             clicked = Some(row * columns + column);
                         }
                         for caption in &tile.captions {
@@ -43,13 +46,33 @@ fn picture(ui: &mut Ui, tile: &PlaceTile, size: Vec2) -> bool {
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &tile.name));
     ui.painter().rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
     if let Some(picture) = tile.picture {
-        // The middle of the picture, in the shape of the tile.
-        let uv = Rect::from_min_max(egui::Pos2::ZERO, egui::pos2(1.0, 1.0));
-        Image::new((picture, rect.size())).uv(uv).paint_at(ui, rect);
+        let uv = middle(picture.size, size);
+        Image::new((picture.id, rect.size())).uv(uv).paint_at(ui, rect);
     }
     if response.hovered() || response.has_focus() {
         let rim = ui.style().interact(&response).bg_stroke;
         ui.painter().rect_stroke(rect, 2.0, rim, egui::StrokeKind::Outside);
     }
     response.on_hover_text(&tile.name).clicked()
+}
+
+/// Returns the middle part of a picture that has the shape of a tile.
+fn middle(picture: Vec2, tile: Vec2) -> Rect {
+    let scale = (picture / tile).min_elem();
+    Rect::from_center_size(pos2(0.5, 0.5), tile * scale / picture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_of_another_shape_are_cut_and_not_stretched() {
+        let tile = vec2(80.0, 50.0);
+        for picture in [vec2(192.0, 144.0), vec2(96.0, 60.0), vec2(50.0, 10.0)] {
+            let shown = middle(picture, tile).size() * picture;
+            assert!((shown.x / shown.y - 1.6).abs() < 1e-5, "{picture:?}: {shown:?}");
+            assert!((middle(picture, tile).size().max_elem() - 1.0).abs() < 1e-6, "{picture:?}");
+        }
+    }
 }

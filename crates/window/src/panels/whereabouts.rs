@@ -8,15 +8,16 @@ use egui::{
 
 use crate::action::{Action, Look};
 use crate::camera::Camera;
+use crate::small_pictures::ASPECT;
 use flipmap_lab::number_text::significant;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::{BUILT_IN, Plane};
 
 /// Side of the small map in points.
 const SIDE: f32 = 128.0;
-/// Share of the small map's picture on each side that lies beyond the torus: the picture is 96
-/// pixels wide and 60 high, and as high as the torus.
-const BEYOND: f32 = (1.0 - 60.0 / 96.0) / 2.0;
+/// Share of the small map's picture on each side that lies beyond the torus: the picture is as high
+/// as the torus.
+const BEYOND: f32 = (1.0 - ASPECT) / 2.0;
 /// Side in points below which the view's frame on the small map is drawn as a cross.
 const LEAST_FRAME: f32 = 6.0;
 /// Least distance of two names on the ruler, in points.
