@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::answers::{AnswerColours, Way, torus};
 use super::steps::WholeNumbers;
-use super::ticks::{BarLabels, round_labels};
+use super::ticks::{BarLabels, edge_labels, round_labels};
 use super::{Rgb, rounded};
 use crate::question::QuestionName;
 
@@ -75,14 +75,22 @@ impl AnswerColours {
         Some(self.whole_numbers()?.labels(letters))
     }
 
-    /// Returns the labels of the bar, at round values; angles have theirs in parts of π.
+    /// Returns the labels of the bar, at round values; angles have theirs in parts of π, and colours
+    /// with steps where they begin and end.
     pub fn bar_labels(&self) -> BarLabels {
         if let Way::Angle(..) = self.way {
             let ticks = [(0, "−π"), (250, "−π/2"), (500, "0"), (750, "π/2"), (1000, "π")];
             let ticks = ticks.map(|(place, label)| (place, label.to_string())).into();
             return BarLabels { from: None, ticks };
         }
-        round_labels(|share| self.value_along(share))
+        let steps = match &self.way {
+            Way::Times(_, tones) => tones.scale().edges_secs(),
+            _ => None,
+        };
+        match steps {
+            Some(edges) => edge_labels(edges),
+            None => round_labels(|share| self.value_along(share)),
+        }
     }
 
     /// Returns the name and unit of the quantity along the bar.

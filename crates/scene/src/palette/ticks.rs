@@ -54,6 +54,14 @@ pub(super) fn round_labels(value: impl Fn(f64) -> f64) -> BarLabels {
     }
 }
 
+/// Returns the labels of a bar whose colours are equal steps between these values.
+pub(super) fn edge_labels(edges: &[f64]) -> BarLabels {
+    let steps = (edges.len() - 1) as f64;
+    let place = |edge: usize| (1000.0 * edge as f64 / steps).round() as u16;
+    let labels = edges.iter().enumerate().map(|(edge, value)| (place(edge), text(*value, 3)));
+    BarLabels { from: None, ticks: sparse(labels) }
+}
+
 /// Returns 1, 5 and 2 times the powers of ten between two positive values, the roundest first.
 fn decades(first: f64, last: f64) -> impl Iterator<Item = f64> {
     let exponents = first.log10().floor() as i32..=last.log10().ceil() as i32;
@@ -138,6 +146,15 @@ mod tests {
         let secs = home(f64::from(*place) / 1000.0);
         assert!(label == "1" && (secs - 1.0).abs() < 0.01, "{label} at {secs}");
         assert_eq!(told(|share| 1e-3 * 1e6f64.powf(share)).1, "0.001 0.01 0.1 1 10 100 1000");
+    }
+
+    #[test]
+    fn steps_are_labelled_where_they_begin_and_end() {
+        let ticks = edge_labels(&[0.31927, 3.1927, 31.927, 319.27, 3192.7]).ticks;
+        let wanted = [(0, "0.319"), (250, "3.19"), (500, "31.9"), (750, "319"), (1000, "3190")];
+        assert_eq!(ticks, wanted.map(|(place, label)| (place, label.to_string())));
+        let many: Vec<f64> = (1..=33).map(f64::from).collect();
+        assert!(edge_labels(&many).ticks.len() < 8, "names do not cover each other");
     }
 
     #[test]

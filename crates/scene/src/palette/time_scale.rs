@@ -24,6 +24,12 @@ impl TimeScale {
         [self.times[0], self.times[self.times.len() - 1]]
     }
 
+    /// Returns the times in s at which one colour ends and the next begins, with the first and the
+    /// last; none if the colours have no steps.
+    pub(super) fn edges_secs(&self) -> Option<&[f64]> {
+        (self.scale == Scale::Steps).then_some(&self.times)
+    }
+
     /// Returns the height of a time: its position in the range, from 0 to 1. The height rises with
     /// the time without steps, even if the colours have steps.
     pub fn height(&self, secs: f64) -> f64 {
