@@ -6,6 +6,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use flipmap_render::output::read_gradient;
+use flipmap_scene::palette::gradient_file::ENDINGS;
 use flipmap_scene::palette::{Palette, ViewTimes, budget_range_secs};
 use flipmap_scene::{Document, PictureTable, Sampling, Scale, between, in_a_row, named};
 
@@ -260,8 +261,9 @@ fn palette_help() -> String {
         .collect();
     format!(
         "Colour palette: {}; random-7, or any other number; colours from early to late (#000000,#ff8000,#ffffff); or a gradient \
-         file (.map, .ugr, .gpl)",
-        in_a_row(&names, "or")
+         file (.{}), with :NAME for one of several in it",
+        in_a_row(&names, "or"),
+        ENDINGS.join(", .")
     )
 }
 

@@ -284,7 +284,7 @@ fn gradients_of_others_paint_and_stay_in_the_picture() {
     assert_eq!(fs::read(at("again.png")).unwrap(), listed);
     fs::write(at("no.map"), "nothing\n").unwrap();
     for (palette, words) in [
-        ("no.map", "--palette: no.map is not a gradient: it holds fewer than two colours"),
+        ("no.map", "--palette: no.map line 1 is 'nothing'; it must be red, green and blue from 0"),
         ("nowhere.ugr", "--palette: cannot read the gradient nowhere.ugr"),
         ("#12,#34", "a list is 2 to 256 colours"),
     ] {

@@ -6,6 +6,8 @@ mod colour_tests;
 #[path = "side/film.rs"]
 mod film_tests;
 
+use std::collections::BTreeMap;
+
 use egui::{Key, Role, Theme, Ui};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -19,7 +21,7 @@ use flipmap_scene::{
 use flipmap_window::colour_cycle::ColourCycle;
 use flipmap_window::export::ExportStage;
 use flipmap_window::folders::Folders;
-use flipmap_window::panels::colours::{ColourAction, colours_panel};
+use flipmap_window::panels::colours::{ColourAction, ColoursView, colours_panel};
 use flipmap_window::panels::export::{ExportAction, ExportForm, ExportStatus, export_panel};
 use flipmap_window::panels::places::{PlaceAction, PlaceForm, Thumbnails, places_panel};
 use flipmap_window::panels::scene::scene_panel;
@@ -64,11 +66,19 @@ fn scene() -> Harness<'static, Shown<Scene, Scene>> {
 
 fn colours(picture: PictureTable) -> Harness<'static, Shown<PictureTable, ColourAction>> {
     harness(
-        [320.0, 680.0],
+        [320.0, 840.0],
         picture,
         |ui, picture| {
             let cycle = ColourCycle::default();
-            colours_panel(ui, picture, &Scene::default(), true, &cycle).into_iter().collect()
+            let view = ColoursView {
+                picture,
+                scene: &Scene::default(),
+                has_samples: true,
+                cycle: &cycle,
+                times_secs: &[0.5, 1.0, 1.1, 1.2, 20.0],
+                kept: &BTreeMap::from([("fire".into(), "#000000,#ff0000".into())]),
+            };
+            colours_panel(ui, &view).into_iter().collect()
         },
         |state, action| {
             if let ColourAction::Paint(picture) = action {
@@ -122,7 +132,12 @@ fn press<S>(harness: &mut Harness<'_, S>, name: &str) {
 
 /// Types over the number called `name`, as a user with a keyboard does.
 fn type_over<S>(harness: &mut Harness<'_, S>, name: &str, text: &str) {
-    harness.get_by_role_and_label(Role::SpinButton, name).focus();
+    type_into(harness, (Role::SpinButton, name), text);
+}
+
+/// Types a text in place of that in a control.
+fn type_into<S>(harness: &mut Harness<'_, S>, (role, name): (Role, &str), text: &str) {
+    harness.get_by_role_and_label(role, name).focus();
     harness.run_steps(2);
     harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::A);
     harness.run_steps(1);

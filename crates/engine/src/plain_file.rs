@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// Largest size in bytes of a text file: a scene, a film's keys or a plan. A film of 100,000 keys
 /// is far smaller.
-const MAX_TEXT_BYTES: u64 = 64 << 20;
+pub const MAX_TEXT_BYTES: u64 = 64 << 20;
 
 /// Opens a file for reading; refuses a pipe, a device or a folder without waiting.
 pub fn open_plain(path: &Path) -> io::Result<File> {

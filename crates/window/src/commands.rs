@@ -2,6 +2,7 @@
 //! keys and the command palette.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 use glam::DVec2;
@@ -29,6 +30,8 @@ pub(crate) struct Command {
     pub action: Action,
     /// Other words, in lower case, under which it is found.
     pub also: &'static str,
+    /// Palette whose colours are shown beside the name, if it is about one.
+    pub swatch: Option<String>,
 }
 
 impl Command {
@@ -68,7 +71,7 @@ fn command(
     action: Action,
 ) -> Command {
     let name = name.into();
-    Command { name, keys: keys.into_iter().collect(), action, also: "" }
+    Command { name, keys: keys.into_iter().collect(), action, also: "", swatch: None }
 }
 
 fn moving() -> Vec<Command> {
@@ -231,30 +234,35 @@ pub(crate) fn favourites() -> Vec<Command> {
 
 /// Returns the commands that only the command palette lists: panels, places, palettes and
 /// favourites. Other callers avoid the cost of reading the scenes.
-pub(crate) fn choices(picture: &PictureTable) -> Vec<Command> {
+pub(crate) fn choices(picture: &PictureTable, kept: &BTreeMap<String, String>) -> Vec<Command> {
     let panels = PANELS.map(|panel| {
         let name = format!("{} › {}", panel.section.name(), panel.name);
         command(name, [], Action::Panel(panel.name)).also(panel.also)
     });
-    let painted = |change: fn(&mut PictureTable)| {
+    fn painted(picture: &PictureTable, change: impl FnOnce(&mut PictureTable)) -> Action {
         let mut picture = picture.clone();
         change(&mut picture);
         Action::Picture(picture)
-    };
+    }
     let colours = [
-        command("Random palette", [], painted(|p| p.palette = any_palette())).also("colours die"),
-        command("Smooth the grain on or off", [], painted(|p| p.denoise ^= true))
+        command("Random palette", [], painted(picture, |p| p.palette = any_palette()))
+            .also("colours die"),
+        command("Smooth the grain on or off", [], painted(picture, |p| p.denoise ^= true))
             .also("denoise noise velvet"),
-        command("Spread the palette over this view", [], painted(|p| p.times.clear()))
+        command("Spread the palette over this view", [], painted(picture, |p| p.times.clear()))
             .also("colours equalise histogram auto times"),
     ];
     let places = BUILT_IN.iter().map(|place| {
         let show = Action::Visit(Box::new(place.document()));
         command(format!("Place: {}", place.name), [], show)
     });
-    let palettes = Palette::names().map(|name| {
-        let picture = PictureTable { palette: name.to_string(), ..picture.clone() };
-        command(format!("Palette: {name}"), [], Action::Picture(picture))
+    let built_in = Palette::names().map(|name| (name, name));
+    let kept = kept.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+    let palettes = built_in.chain(kept).map(|(name, text)| {
+        let palette = text.to_string();
+        let swatch = Some(palette.clone());
+        let action = painted(picture, |picture| picture.palette = palette);
+        Command { swatch, ..command(format!("Palette: {name}"), [], action) }
     });
     colours.into_iter().chain(panels).chain(places).chain(palettes).chain(favourites()).collect()
 }
@@ -289,7 +297,7 @@ mod tests {
     fn every_name_and_every_key_is_used_once() {
         let state = state();
         let mut commands = commands(&state);
-        commands.extend(choices(&state.picture));
+        commands.extend(choices(&state.picture, &BTreeMap::new()));
         let mut names: Vec<_> = commands.iter().map(|command| command.name.clone()).collect();
         let mut keys: Vec<String> =
             commands.iter().flat_map(|c| &c.keys).map(shortcut_text).collect();

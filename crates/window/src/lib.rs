@@ -59,6 +59,7 @@ mod flight;
 pub mod folders;
 mod gesture;
 mod greeting;
+mod histogram;
 mod history;
 mod hover;
 mod in_view;

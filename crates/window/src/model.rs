@@ -19,6 +19,7 @@ use super::film::Films;
 use super::film_run::FilmCommand;
 use super::folders::Folders;
 use super::greeting::Greeting;
+use super::histogram::TimesInView;
 use super::in_view::InView;
 use super::kept_keys::KeptKeys;
 use super::keys::pressed;
@@ -29,7 +30,7 @@ use super::panels::places::{PlaceForm, Thumbnails};
 use super::panels::status::status_line;
 use super::panels::timeline::timeline;
 use super::panels::view::ViewForm;
-use super::panels::{help, notices};
+use super::panels::{command_palette, help, notices};
 use super::places::Places;
 use super::saving::LastSave;
 use super::screen_picture::SavedPictures;
@@ -126,6 +127,7 @@ pub struct AppModel {
     /// Lines for the debug panel, set by the owner of the window.
     pub measured: Vec<String>,
     pub(super) spread: ColourSpread,
+    pub(super) times_in_view: TimesInView,
 }
 
 /// Time that a frame may spend on preparing jobs.
@@ -140,10 +142,9 @@ impl AppModel {
         let mut store = Store::new(&options.folders);
         let Loaded { settings, notice } = store.load();
         let last = settings.last_scene.clone().filter(|_| settings.restore);
-        let document = options.document.clone().or(last);
-        let mut document = document.unwrap_or_else(|| BuiltIn::home().document());
-        let words = options.run.as_ref().unwrap_or(&document.run).clone();
-        let resolved = RunSpec::resolve(words);
+        let mut document =
+            (options.document.clone().or(last)).unwrap_or_else(|| BuiltIn::home().document());
+        let resolved = RunSpec::resolve(options.run.as_ref().unwrap_or(&document.run).clone());
         let problem = resolved.as_ref().err().map(ToString::to_string);
         let spec = resolved.unwrap_or_default();
         let (setting, verify) = (spec.setting, spec.verify);
@@ -164,8 +165,8 @@ impl AppModel {
             Err(problem) => state.notices.fail(problem),
         }
         let cache_bytes = (settings.cache_mib as usize) << 20;
-        let request = EngineRequest { setting, verify, ..options.request.clone() };
-        let request = request.answering(&document.question);
+        let request = EngineRequest { setting, verify, ..options.request.clone() }
+            .answering(&document.question);
         let compute = ComputeService::new(request.clone(), cache_bytes, Arc::clone(&wake));
         let places = Places::load(&options.folders);
         AppModel {
@@ -194,6 +195,7 @@ impl AppModel {
             kept_keys,
             measured: Vec::new(),
             spread: ColourSpread::default(),
+            times_in_view: TimesInView::default(),
         }
     }
 
@@ -262,10 +264,10 @@ impl AppModel {
         actions.extend(self.films.play(&ctx, &mut self.state));
         let mut commands = commands(&self.state);
         if self.state.shown.commands {
-            commands.extend(choices(&self.state.picture));
-            actions.extend(help::palette(&ctx, &commands));
+            commands.extend(choices(&self.state.picture, &self.settings.palettes));
+            actions.extend(command_palette::palette(&ctx, &commands, &mut self.settings));
         } else {
-            help::close_palette(&ctx);
+            command_palette::close(&ctx);
         }
         if self.state.shown.help {
             actions.extend(help::help(&ctx, &commands));

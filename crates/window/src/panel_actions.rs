@@ -23,6 +23,14 @@ impl AppModel {
         match action {
             ColourAction::Paint(picture) => Some(Action::Picture(picture)),
             ColourAction::Cycle(cycle) => Some(Action::ColourCycle(cycle)),
+            ColourAction::KeepPalette(name) => {
+                self.settings.palettes.insert(name, self.state.picture.palette.clone());
+                None
+            }
+            ColourAction::ForgetPalette(name) => {
+                self.settings.palettes.remove(&name);
+                None
+            }
             ColourAction::Equalise => {
                 let screen = self.state.screen();
                 let times = view_samples::known_times(&screen, &mut self.compute.explorer);

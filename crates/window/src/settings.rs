@@ -93,6 +93,10 @@ pub struct Settings {
     pub layers: Layers,
     /// Colours kept under the keys 1 to 9: picture tables, read when they are used.
     pub favourites: BTreeMap<String, toml::Table>,
+    /// Names of the commands that were chosen from the list last, the newest first.
+    pub recent_commands: Vec<String>,
+    /// Palettes that the user has kept, by name, as a scene writes them.
+    pub palettes: BTreeMap<String, String>,
     /// How the film that is being planned is shot.
     pub film: FilmForm,
 }
@@ -159,6 +163,8 @@ impl Default for Settings {
             last_scene: None,
             layers: Layers::default(),
             favourites: BTreeMap::new(),
+            recent_commands: Vec::new(),
+            palettes: BTreeMap::new(),
             film: FilmForm::default(),
         }
     }

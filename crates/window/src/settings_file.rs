@@ -6,6 +6,7 @@ use toml::{Table, Value};
 
 use super::settings::Settings;
 use flipmap_scene::Document;
+use flipmap_scene::palette::Palette;
 
 /// A value that a setting cannot have.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -26,8 +27,10 @@ fn allowed(name: &str) -> String {
         "cache_mib" => range("a whole number", &Settings::CACHE_MIB),
         "edges" => "\"1\", \"4\" or \"16\"".to_string(),
         "recent" => "a list of paths".to_string(),
+        "recent_commands" => "a list of names".to_string(),
         "last_scene" => "the text of a scene".to_string(),
         "favourites" => "a table of colours".to_string(),
+        "palettes" => "a name and its colours".to_string(),
         "film" => "as in a film that this program kept".to_string(),
         _ => "true or false".to_string(),
     }
@@ -73,7 +76,9 @@ pub(super) fn remove_bad(settings: &mut Table) -> Vec<BadValue> {
 
 /// Returns true if settings can have this value.
 fn is_usable(key: &str, value: &Value) -> bool {
-    Table::from_iter([(key.to_string(), value.clone())]).try_into::<Settings>().is_ok()
+    let settings = Table::from_iter([(key.to_string(), value.clone())]).try_into::<Settings>();
+    settings
+        .is_ok_and(|settings| settings.palettes.values().all(|text| Palette::named(text).is_ok()))
 }
 
 /// Applies to `theirs`, which the file holds, what this window changed between `base` and `ours`.
@@ -139,6 +144,19 @@ mod tests {
         let mut table: Table = text.parse().unwrap();
         assert_eq!(unknown_keys(&table), ["lights", "layers.sky"]);
         assert_eq!(remove_bad(&mut table), []);
+    }
+
+    #[test]
+    fn palettes_that_cannot_be_used_are_named() {
+        let text = "[palettes]\nfire = \"#000000,#ff0000\"\nfog = \"grey\"\n";
+        let mut table: Table = text.parse().unwrap();
+        let bad = remove_bad(&mut table);
+        assert_eq!(
+            bad[0].to_string(),
+            "`palettes.fog` is \"grey\"; it must be a name and its colours, so it is left out"
+        );
+        let settings: Settings = table.try_into().unwrap();
+        assert_eq!(settings.palettes.keys().collect::<Vec<_>>(), ["fire"]);
     }
 
     #[test]

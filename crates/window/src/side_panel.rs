@@ -6,7 +6,7 @@ use super::action::Action;
 use super::descent::DescentPath;
 use super::model::AppModel;
 use super::panels::accuracy::{Computing, accuracy_panel};
-use super::panels::colours::colours_panel;
+use super::panels::colours::{ColoursView, colours_panel};
 use super::panels::descent::{self, descent_panel};
 use super::panels::export::export_panel;
 use super::panels::film::film_panel;
@@ -225,9 +225,17 @@ impl AppModel {
 
     /// Shows the colours panel.
     fn colour_section(&mut self, ui: &mut Ui) -> Option<Action> {
-        let state = &self.state;
-        let any = self.compute.explorer.progress().done > 0;
-        let done = colours_panel(ui, &state.picture, &state.scene(), any, &state.shown.cycle);
+        let progress = self.progress();
+        let (state, explorer) = (&self.state, &mut self.compute.explorer);
+        let view = ColoursView {
+            picture: &state.picture,
+            scene: &state.scene(),
+            has_samples: progress.done > 0,
+            cycle: &state.shown.cycle,
+            times_secs: self.times_in_view.follow(state, explorer, progress.is_complete()),
+            kept: &self.settings.palettes,
+        };
+        let done = colours_panel(ui, &view);
         done.and_then(|action| self.colour(action))
     }
 

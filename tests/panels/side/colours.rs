@@ -20,26 +20,94 @@ fn repeats_and_light_follow_the_sliders() {
     assert_eq!(harness.state().asked.last(), Some(&ColourAction::Cycle(runs)));
 }
 
+type Panel = Harness<'static, Shown<PictureTable, ColourAction>>;
+
+fn stops(harness: &Panel) -> Vec<String> {
+    let palette = harness.state().state.palette.clone();
+    palette.split(',').map(str::to_string).collect()
+}
+
 #[test]
 fn a_gradient_is_made_of_stops_that_come_and_go() {
     let mut harness = colours(PictureTable::default());
     press(&mut harness, "Edit a copy of the palette");
-    let stops = |harness: &Harness<'static, Shown<PictureTable, ColourAction>>| {
-        let palette = harness.state().state.palette.clone();
-        palette.split(',').map(str::to_string).collect::<Vec<_>>()
-    };
     assert_eq!(stops(&harness).len(), 7);
-    harness.get_by_role_and_label(Role::ColorWell, "Stop 7");
-    press(&mut harness, "Remove stop 2");
+    harness.get_by_role_and_label(Role::ColorWell, "Stop 1");
+    press(&mut harness, "Remove");
     assert_eq!(stops(&harness).len(), 6);
     harness.state_mut().state.palette = "#000000,#ffffff".to_string();
     harness.run_steps(2);
-    press(&mut harness, "Remove stop 1");
-    assert_eq!(stops(&harness).len(), 2, "there are always two");
-    press(&mut harness, "Add after stop 1");
-    assert_eq!(stops(&harness), ["#000000", "#7f7f7f", "#ffffff"]);
+    assert!(harness.get_by_label("Remove").accesskit_node().is_disabled(), "there are always two");
+    press(&mut harness, "Add");
+    assert_eq!(stops(&harness), ["#000000", "#808080", "#ffffff"]);
     press(&mut harness, "iris");
     assert!(harness.query_by_label("Stop 1").is_none());
+}
+
+#[test]
+fn stops_are_dragged_and_moved_by_keys() {
+    let palette = "#000000,#ff0000,#ffffff".to_string();
+    let mut harness = colours(PictureTable { palette, ..PictureTable::default() });
+    let handle = harness.get_by_label("Stop 2 of 3 at 50.0 %").rect();
+    let width = harness.get_by_label_contains("Gradient: a click").rect().width();
+    let to = handle.center() + egui::vec2(0.25 * width, 0.0);
+    harness.drag_at(handle.center());
+    harness.run_steps(2);
+    harness.hover_at(to);
+    harness.run_steps(2);
+    harness.drop_at(to);
+    harness.run_steps(2);
+    assert_eq!(stops(&harness), ["#000000 0%", "#ff0000 75%", "#ffffff 100%"]);
+    harness.get_by_label("Stop 2 of 3 at 75.0 %").focus();
+    harness.run_steps(2);
+    harness.key_press(Key::ArrowLeft);
+    harness.run_steps(2);
+    assert_eq!(stops(&harness)[1], "#ff0000 74%");
+    harness.key_press(Key::Delete);
+    harness.run_steps(2);
+    assert_eq!(stops(&harness), ["#000000", "#ffffff"]);
+}
+
+#[test]
+fn a_click_on_the_gradient_adds_a_stop_and_the_wheel_shifts_it() {
+    let mut harness =
+        colours(PictureTable { palette: "#000,#fff".into(), ..PictureTable::default() });
+    let strip = harness.get_by_label_contains("Gradient: a click").rect();
+    harness.hover_at(strip.center());
+    harness.run_steps(2);
+    let scroll = egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, 75.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: egui::Modifiers::NONE,
+    };
+    harness.event(scroll);
+    harness.run_steps(30);
+    let offset = harness.state().state.offset;
+    assert!((offset - 0.05).abs() < 0.01, "{offset}");
+    harness.drag_at(strip.center());
+    harness.drop_at(strip.center());
+    harness.run_steps(2);
+    assert_eq!(stops(&harness), ["#000000", "#808080", "#ffffff"]);
+}
+
+#[test]
+fn a_palette_is_kept_under_a_name() {
+    let mut harness =
+        colours(PictureTable { palette: "#000000,#00ff00".into(), ..PictureTable::default() });
+    let save = |harness: &Panel| harness.get_by_label("Save").accesskit_node().is_disabled();
+    assert!(save(&harness), "it has no name yet");
+    for (name, taken) in [("iris", true), ("fire", true), ("moss", false)] {
+        type_into(&mut harness, (Role::TextInput, "Save as"), name);
+        assert_eq!(save(&harness), taken, "{name}");
+    }
+    press(&mut harness, "Save");
+    assert_eq!(harness.state().asked.last(), Some(&ColourAction::KeepPalette("moss".into())));
+    press(&mut harness, "fire");
+    assert_eq!(harness.state().state.palette, "#000000,#ff0000");
+    press(&mut harness, "Remove fire from the list");
+    assert_eq!(harness.state().asked.last(), Some(&ColourAction::ForgetPalette("fire".into())));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::png::{PngError, document_in_png};
 use flipmap_engine::plain_file::{open_plain, read_text};
-use flipmap_scene::palette::gradient::ENDINGS;
+use flipmap_scene::palette::gradient_file::ENDINGS;
 use flipmap_scene::{BuiltIn, Document, DocumentError};
 
 /// Reasons why a file has no scene.
@@ -113,7 +113,7 @@ mod tests {
         };
         let other = file("a.txt", "");
         assert!(other.contains("a.txt is neither"), "{other}");
-        for kind in [".png", ".toml", ".map", ".ugr", ".gpl"] {
+        for kind in [".png", ".toml", ".map", ".ugr", ".gpl", ".ggr"] {
             assert!(other.contains(kind), "{other}");
         }
         for name in ["a.jpg", "a.webp", "a.TIFF", "a.gif", "a.bmp", "a.avif"] {

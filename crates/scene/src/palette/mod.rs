@@ -2,6 +2,7 @@
 
 mod answers;
 pub mod gradient;
+pub mod gradient_file;
 mod ground;
 mod legend;
 mod oklab;
@@ -108,8 +109,9 @@ impl Palette {
             let names: Vec<&str> = Self::names().collect();
             let allowed = format!(
                 "the palettes are {}, random-1, random-2 and so on, lists of colours \
-                 (#000000,#ff8000,#ffffff) and files .map, .ugr and .gpl{}",
+                 (#000000,#ff8000,#ffffff) and files .{}{}",
                 names.join(", "),
+                gradient_file::ENDINGS.join(", ."),
                 did_you_mean(&names, name)
             );
             SceneError::new("palette", format!("'{name}'"), allowed)
@@ -122,7 +124,8 @@ impl Palette {
 
     fn of_list(text: &str) -> Result<Self, SceneError> {
         let stops = gradient::parse_list(text).ok_or_else(|| {
-            let range = "a list is 2 to 256 colours such as #ff8000, separated by commas";
+            let range = "a list is 2 to 256 colours such as #ff8000 or #ff8000 30%, from early to \
+                         late, separated by commas";
             SceneError::new("palette", format!("'{text}'"), range)
         })?;
         let table = gradient::table(&stops).into_iter().map(tint_of).collect();
@@ -195,14 +198,16 @@ pub fn light_table() -> [u16; 256] {
     std::array::from_fn(|channel| (light(channel as u8) * 65535.0).round() as u16)
 }
 
-/// Reads a line `#rrggbb`; other lines are comments.
-fn parse_colour(line: &str) -> Option<Rgb> {
-    let digits = line.strip_prefix('#').filter(|digits| digits.len() == 6)?;
-    if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
-        return None;
-    }
-    let channel = |i: usize| u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).ok();
-    Some([channel(0)?, channel(1)?, channel(2)?])
+/// Reads a colour written as `#rrggbb` or `#rgb`.
+fn parse_colour(text: &str) -> Option<Rgb> {
+    let digits = text.strip_prefix('#')?;
+    let values: Option<Vec<u32>> = digits.chars().map(|digit| digit.to_digit(16)).collect();
+    let channels = match *values? {
+        [r, g, b] => [r, g, b].map(|digit| 17 * digit),
+        [r, r2, g, g2, b, b2] => [16 * r + r2, 16 * g + g2, 16 * b + b2],
+        _ => return None,
+    };
+    Some(channels.map(|channel| channel as u8))
 }
 
 #[cfg(test)]

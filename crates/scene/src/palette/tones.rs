@@ -73,7 +73,7 @@ impl Tones {
     }
 
     /// Returns the position of a time in the palette, in [0, 1].
-    pub(crate) fn position(&self, secs: f64) -> f64 {
+    pub fn position(&self, secs: f64) -> f64 {
         self.position_at(self.scale.height(secs))
     }
 

@@ -96,11 +96,18 @@ fn ticks(ui: &mut Ui, strip: Rect, colours: &AnswerColours, unit: &str) {
 
 /// Width of a small letter in points.
 const LETTER_POINTS: f32 = 6.0;
-/// Draws a band of colours from left to right.
+
+/// Shows a band of colours from left to right.
 pub(super) fn strip(ui: &mut Ui, height: f32, colour: impl Fn(f64) -> Rgb) -> Response {
-    const STEPS: u32 = 256;
     let width = ui.available_width().min(360.0);
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
+    paint_strip(ui, rect, colour);
+    response
+}
+
+/// Draws a band of colours from left to right over a rectangle.
+pub(super) fn paint_strip(ui: &Ui, rect: Rect, colour: impl Fn(f64) -> Rgb) {
+    const STEPS: u32 = 256;
     let mut mesh = Mesh::default();
     for step in 0..STEPS {
         let edge = |step: u32| rect.left() + rect.width() * step as f32 / STEPS as f32;
@@ -109,9 +116,9 @@ pub(super) fn strip(ui: &mut Ui, height: f32, colour: impl Fn(f64) -> Rgb) -> Re
         mesh.add_colored_rect(part, rgb(colour(share)));
     }
     ui.painter().add(mesh);
-    response
 }
 
-fn rgb([r, g, b]: Rgb) -> Color32 {
+/// Returns a colour of a palette as one of the interface.
+pub(super) fn rgb([r, g, b]: Rgb) -> Color32 {
     Color32::from_rgb(r, g, b)
 }

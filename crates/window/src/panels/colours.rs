@@ -1,12 +1,16 @@
 //! The mapping of answers to colours, with a legend. Changing it recomputes nothing.
 
-use egui::{ComboBox, Grid, Role, Slider, Ui, WidgetInfo};
+use std::collections::BTreeMap;
+
+use egui::{Button, ComboBox, Grid, Role, Slider, TextEdit, Ui, WidgetInfo};
 
 use super::colour_strip::{legend, strip};
 use super::field::number;
+use super::gradient_strip::{BARS, gradient_strip};
 use super::ground::grounds;
-use super::stops::stops;
 use crate::colour_cycle::{CYCLE_SPEEDS, ColourCycle};
+use crate::histogram::bars;
+use flipmap_scene::palette::gradient_file::ENDINGS;
 use flipmap_scene::palette::{AnswerColours, Palette, Tones, random_palette};
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{PictureTable, Scale, Scene};
@@ -20,17 +24,32 @@ pub enum ColourAction {
     Equalise,
     /// Starts, changes or stops the animation of the palette.
     Cycle(ColourCycle),
+    /// Keeps the palette of the map under a name.
+    KeepPalette(String),
+    /// Removes the palette with this name from the list of kept ones.
+    ForgetPalette(String),
 }
 
-/// Shows how the picture of a scene is painted; `has_samples` is true if the view has samples to
-/// spread the palette over, and `cycle` says how the palette is animated.
-pub fn colours_panel(
-    ui: &mut Ui,
-    picture: &PictureTable,
-    scene: &Scene,
-    has_samples: bool,
-    cycle: &ColourCycle,
-) -> Option<ColourAction> {
+/// What the colours panel shows.
+#[derive(Clone, Copy, Debug)]
+pub struct ColoursView<'a> {
+    /// How the map is painted.
+    pub picture: &'a PictureTable,
+    /// What is painted.
+    pub scene: &'a Scene,
+    /// True if the view has samples to spread the palette over.
+    pub has_samples: bool,
+    /// Animation of the palette.
+    pub cycle: &'a ColourCycle,
+    /// Flip times in s at evenly spaced places of the view.
+    pub times_secs: &'a [f64],
+    /// Palettes that the user has kept, by name.
+    pub kept: &'a BTreeMap<String, String>,
+}
+
+/// Shows how a map is painted; returns what the user changes.
+pub fn colours_panel(ui: &mut Ui, view: &ColoursView) -> Option<ColourAction> {
+    let ColoursView { picture, scene, .. } = *view;
     let (unit_secs, question) = (scene.build.unit_secs(), &scene.question);
     let (Ok(colours), Ok(tones)) =
         (AnswerColours::new(scene, picture), Tones::new(picture, unit_secs, question.budget.secs))
@@ -43,7 +62,10 @@ pub fn colours_panel(
         channels(ui, &mut new, question.ask);
     }
     ui.separator();
-    palettes(ui, &mut new);
+    palettes(ui, &mut new, view.kept);
+    let of_times = if question.ask.is_time() { view.times_secs } else { &[] };
+    gradient_strip(ui, &mut new, &bars(of_times, &tones, BARS));
+    let mut action = keeping(ui, picture, view.kept);
     grounds(ui, &mut new.colours, colours.ground());
     ui.checkbox(&mut new.denoise, "Smooth the grain of chaos").on_hover_text(
         "Where neighbouring pixels are unrelated, each shows the mean of those along its band",
@@ -52,26 +74,21 @@ pub fn colours_panel(
         ui.separator();
         range(ui, &mut new, &tones);
         repeats(ui, &mut new, picture);
-        let action = animated(ui, has_samples, cycle);
-        if action.is_some() {
-            return action;
-        }
+        action = animated(ui, view.has_samples, view.cycle).or(action);
     }
     if colours.times().is_some() {
         ui.separator();
         relief(ui, &mut new);
     }
-    if let Some(action) = back(ui, picture) {
-        return Some(action);
-    }
-    (new != *picture && new.check().is_ok()).then_some(ColourAction::Paint(new))
+    let paint = || (new != *picture && new.check().is_ok()).then_some(ColourAction::Paint(new));
+    back(ui, picture).or(action).or_else(paint)
 }
 
 /// Shows a button that restores the default colours; the energy curve and the samples stay.
 fn back(ui: &mut Ui, picture: &PictureTable) -> Option<ColourAction> {
     let PictureTable { curve, samples, bits, .. } = *picture;
     let plain = PictureTable { curve, samples, bits, ..PictureTable::default() };
-    let button = ui.add_enabled(*picture != plain, egui::Button::new("Reset"));
+    let button = ui.add_enabled(*picture != plain, Button::new("Reset"));
     button.clicked().then_some(ColourAction::Paint(plain))
 }
 
@@ -95,26 +112,27 @@ fn channels(ui: &mut Ui, picture: &mut PictureTable, ask: QuestionName) {
     });
 }
 
-fn palettes(ui: &mut Ui, picture: &mut PictureTable) {
-    // The user's own gradient or a random palette, while it is in use.
-    let is_listed = Palette::names().any(|name| name == picture.palette);
-    let own = (!is_listed).then(|| picture.palette.clone());
-    let named: Vec<String> = Palette::names().map(str::to_string).chain(own).collect();
+/// Shows the list of palettes, those of the user's own last.
+fn palettes(ui: &mut Ui, picture: &mut PictureTable, kept: &BTreeMap<String, String>) {
+    let built_in = Palette::names().map(|name| (name, name));
+    let kept = kept.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+    let mut listed: Vec<(String, String)> =
+        built_in.chain(kept).map(|(name, text)| (name.to_string(), text.to_string())).collect();
+    if !listed.iter().any(|(_, text)| *text == picture.palette) {
+        // The user's own gradient or a random palette, while it is in use.
+        let name = Palette::named(&picture.palette).map_or("", |palette| palette.name);
+        listed.push((name.to_string(), picture.palette.clone()));
+    }
     let strip_width = 0.5 * ui.available_width() - NAME_WIDTH;
     Grid::new("palettes").num_columns(4).show(ui, |ui| {
-        for pair in named.chunks(2) {
-            for text in pair {
+        for pair in listed.chunks(2) {
+            for (name, text) in pair {
                 let Ok(palette) = Palette::named(text) else { continue };
-                ui.radio_value(&mut picture.palette, text.clone(), palette.name);
+                ui.radio_value(&mut picture.palette, text.clone(), name);
                 ui.allocate_ui(egui::vec2(strip_width, 14.0), |ui| {
                     let response = strip(ui, 14.0, |share| palette.colour(share));
-                    response.widget_info(|| {
-                        WidgetInfo::labeled(
-                            Role::Image,
-                            true,
-                            format!("Colours of {}", palette.name),
-                        )
-                    });
+                    let told = format!("Colours of {name}");
+                    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
                 });
             }
             ui.end_row();
@@ -124,10 +142,46 @@ fn palettes(ui: &mut Ui, picture: &mut PictureTable) {
     if die.on_hover_text("Every press draws another one; the scene keeps its number").clicked() {
         picture.palette = any_palette();
     }
-    ui.label("Drop a gradient on the window: .map, .ugr or .gpl.");
-    stops(ui, &mut picture.palette);
+    ui.label(format!("Drop a gradient on the window: .{}.", ENDINGS.join(", .")));
     ui.checkbox(&mut picture.reverse, "Reverse the palette");
 }
+
+/// Shows the field and the button that keep a palette of the user's own under a name, or the button
+/// that removes it from the list.
+fn keeping(
+    ui: &mut Ui,
+    picture: &PictureTable,
+    kept: &BTreeMap<String, String>,
+) -> Option<ColourAction> {
+    let palette = &picture.palette;
+    if Palette::names().any(|name| name == palette) {
+        return None;
+    }
+    if let Some((name, _)) = kept.iter().find(|(_, text)| *text == palette) {
+        let forget = ui.button(format!("Remove {name} from the list"));
+        return forget.clicked().then(|| ColourAction::ForgetPalette(name.clone()));
+    }
+    let typed = ui.scope_id().with("palette's name");
+    let mut name: String = ui.data(|data| data.get_temp(typed)).unwrap_or_default();
+    let keep = ui.horizontal(|ui| {
+        let label = ui.label("Save as");
+        let field = TextEdit::singleline(&mut name).desired_width(120.0).char_limit(MAX_NAME);
+        ui.add(field).labelled_by(label.id);
+        let is_taken = kept.contains_key(name.trim()) || Palette::named(name.trim()).is_ok();
+        let button = ui.add_enabled(!name.trim().is_empty() && !is_taken, Button::new("Save"));
+        let why = if is_taken { "Another palette has this name" } else { "Type a name first" };
+        button
+            .on_hover_text("Adds it to the list of palettes")
+            .on_disabled_hover_text(why)
+            .clicked()
+    });
+    let chosen = name.trim().to_string();
+    ui.data_mut(|data| data.insert_temp(typed, name));
+    keep.inner.then_some(ColourAction::KeepPalette(chosen))
+}
+
+/// Largest number of letters of a palette's name.
+const MAX_NAME: usize = 24;
 
 /// Width of a palette's name with its button, and of the gaps beside them, in points.
 const NAME_WIDTH: f32 = 88.0;
@@ -155,7 +209,7 @@ fn repeats(ui: &mut Ui, new: &mut PictureTable, old: &PictureTable) {
 
 /// Shows the button that equalises the palette to the view, and the controls of the animation.
 fn animated(ui: &mut Ui, has_samples: bool, cycle: &ColourCycle) -> Option<ColourAction> {
-    let spread = ui.add_enabled(has_samples, egui::Button::new("Equalise to this view"));
+    let spread = ui.add_enabled(has_samples, Button::new("Equalise to this view"));
     if spread.on_hover_text("Every colour is seen equally often").clicked() {
         return Some(ColourAction::Equalise);
     }
