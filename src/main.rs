@@ -13,6 +13,8 @@ fn main() -> ExitCode {
     )
     .init();
     #[cfg(unix)]
+    cli::stop::outlive_full_files();
+    #[cfg(unix)]
     cli::driver_cache::do_without_on_a_full_disk();
     let threads = rayon::ThreadPoolBuilder::new().num_threads(default_threads());
     // A failure is ignored here: an engine that cannot start its own threads reports the reason.

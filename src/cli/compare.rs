@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use flipmap_render::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
-use flipmap_render::output::{PictureFile, SafeFile, read_document};
+use flipmap_render::output::{PICTURES, PictureFile, SafeFile, read_document};
 use flipmap_scene::QuestionSettings;
 use flipmap_scene::question::QuestionName;
 
@@ -43,6 +43,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let results = [("the first result", options.a.as_path()), ("the second", &options.b)];
     let picture = options.output.as_deref().map(|path| ("-o", path));
     keep_apart(&results, picture.as_slice())?;
+    if let Some(path) = &options.output {
+        super::check_name(path, "-o", PICTURES)?;
+    }
     one_question(&options.a, &options.b)?;
     let (a, b) = (ResultRows::open(&options.a)?, ResultRows::open(&options.b)?);
     let yardstick = yardstick(options, &a, &b)?;

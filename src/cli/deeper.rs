@@ -41,6 +41,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         Exit::Usage(format!("--to is '{text}'; it must be a width between 1e-100 and 1 rad"))
     })?;
     if let Some(path) = &options.output {
+        super::check_name(path, "-o", &["toml"])?;
         super::check(path, "-o")?;
     }
     let mut document = options.scene.document()?;

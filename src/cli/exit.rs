@@ -10,6 +10,7 @@ use flipmap_render::output::{self, OutputError};
 use flipmap_scene::{DocumentError, SceneError};
 
 use super::option_names::option_of;
+use super::voice::tell_error;
 
 /// Failures of the program, by exit code.
 #[derive(Debug, thiserror::Error)]
@@ -49,8 +50,7 @@ pub(crate) fn report(error: &anyhow::Error) -> ExitCode {
     if output::is_broken_pipe(error.as_ref()) {
         return ExitCode::SUCCESS;
     }
-    // If standard error is closed too, there is nowhere left to report to.
-    let _ = writeln!(io::stderr(), "flipmap: {}", printable(&sentence(error)));
+    tell_error(&sentence(error));
     ExitCode::from(code_of(error))
 }
 

@@ -7,7 +7,7 @@ use clap::Args;
 use flipmap_lab::home::home_map;
 use flipmap_lab::still::{Still, draw, still};
 use flipmap_lab::{Figure, Lab, flips};
-use flipmap_render::output::PictureFile;
+use flipmap_render::output::{PICTURES, PictureFile};
 
 use super::exit::Exit;
 use super::options::number;
@@ -52,6 +52,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let named = [("-o", options.output.as_deref()), ("--csv", options.csv.as_deref())];
     let outputs: Vec<_> =
         named.into_iter().filter_map(|(option, path)| Some((option, path?))).collect();
+    for (option, path) in &outputs {
+        super::check_name(path, option, if *option == "-o" { PICTURES } else { &["csv"] })?;
+    }
     keep_apart(&[], &outputs)?;
     one_stream(&outputs, false)?;
     if figure == Figure::Map {

@@ -32,11 +32,12 @@ mod run_options;
 mod same_file;
 mod size;
 mod spread;
-mod stop;
+pub(crate) mod stop;
 mod suggested;
 mod trace;
 mod version;
 mod video;
+mod voice;
 mod watch;
 
 use std::path::Path;
@@ -45,7 +46,11 @@ use anyhow::Context;
 #[cfg(not(feature = "window"))]
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
-use flipmap_render::output::{Destination, SafeFile};
+use flipmap_render::output::{Destination, SafeFile, check_ending};
+
+use exit::Exit;
+use progress::Mode;
+use voice::{Voice, tell};
 
 /// Draw every possible double pendulum at once: each pixel is a pendulum released from rest at
 /// (θ1, θ2), coloured by the time until its second bob flips over the top.
@@ -59,6 +64,10 @@ struct Cli {
     /// Print licences and sources as well (with --version)
     #[arg(long, requires = "version")]
     verbose: bool,
+
+    /// Say nothing but warnings and errors
+    #[arg(short, long, global = true)]
+    quiet: bool,
 
     #[command(subcommand)]
     verb: Option<Verb>,
@@ -103,14 +112,30 @@ enum Verb {
     Man(manual::ManOptions),
 }
 
+impl Verb {
+    /// Returns how progress is shown.
+    fn progress(&self) -> Mode {
+        match self {
+            Verb::Render(options) => options.progress,
+            Verb::Video(options) => options.progress,
+            Verb::Run(options) => options.progress,
+            Verb::Merge(options) => options.progress,
+            Verb::Report(options) => options.progress,
+            _ => Mode::Auto,
+        }
+    }
+}
+
 /// Parses the command line and runs the subcommand.
 pub(crate) fn run() -> anyhow::Result<()> {
-    let Cli { version, verbose, verb } =
+    let Cli { version, verbose, quiet, verb } =
         Cli::try_parse().unwrap_or_else(|error| exit::leave(&error));
     if version {
         return version::say(verbose);
     }
-    match verb.unwrap_or_else(default_verb) {
+    let verb = verb.unwrap_or_else(default_verb);
+    voice::set(if verb.progress() == Mode::Json { Voice::Json } else { Voice::of(quiet) });
+    match verb {
         #[cfg(feature = "window")]
         Verb::Explore(options) => explore::run(&options),
         Verb::Render(options) => render::run(&options),
@@ -143,12 +168,6 @@ fn default_verb() -> Verb {
     Cli::command().error(ErrorKind::MissingSubcommand, text).exit()
 }
 
-/// Prints a line to standard error; a failure is ignored, as there is nowhere left to report it.
-fn tell(text: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{}", exit::printable(text));
-}
-
 /// Prints a line to standard output; a closed pipe is an ordinary error.
 fn say(text: &str) -> anyhow::Result<()> {
     use std::io::Write;
@@ -161,6 +180,12 @@ fn say_if_heard(text: &str) -> anyhow::Result<()> {
         true => Ok(()),
         false => Err(error),
     })
+}
+
+/// Refuses an output whose name ends like a file of another kind.
+fn check_name(path: &Path, option: &str, endings: &[&str]) -> Result<(), Exit> {
+    let refuse = |why| Exit::Usage(format!("{option}: cannot write {}: {why}", path.display()));
+    check_ending(path, endings).map_err(refuse)
 }
 
 /// Refuses an output that could not be written; the error names the option that asked for it.

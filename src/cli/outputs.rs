@@ -10,6 +10,9 @@ use super::exit::Exit;
 use super::option_names::by_option;
 use super::same_file::{Named, keep_apart, one_stream};
 
+/// Name of the scene that is rendered if none is named.
+const HOME: &str = "home";
+
 /// Options that name the output files.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Output")]
@@ -49,13 +52,12 @@ impl OutputOptions {
         self.output.is_some() || self.pyramid.is_some()
     }
 
-    /// Returns the outputs or, if there are none and a scene is named, a new picture named after
-    /// it.
+    /// Returns the outputs or, if there are none, a new picture named after the scene.
     pub(super) fn or_picture_of(&self, scene: Option<&str>) -> Result<Self, Exit> {
-        let name = scene.and_then(|scene| Path::new(scene).file_stem());
-        let Some(name) = name.filter(|_| self.paths().named().is_empty()) else {
+        if !self.paths().named().is_empty() {
             return Ok(self.clone());
-        };
+        }
+        let name = Path::new(scene.unwrap_or(HOME)).file_stem().unwrap_or(HOME.as_ref());
         let picture = Path::new(name).with_added_extension("png");
         if picture.exists() {
             let file = picture.display();

@@ -44,12 +44,14 @@ pub(super) struct PlanOptions {
 pub(super) struct RunShards {
     /// Plan file
     plan: PathBuf,
-    /// Shard to compute, counted from 1, or a range such as 2-5 (default: all)
+    /// Shard to compute, or a range such as 2-5 (default: all)
     #[arg(long, value_name = "N|A-B")]
     shard: Option<String>,
+    #[command(flatten)]
+    counted: Counted,
     /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
-    progress: Mode,
+    pub progress: Mode,
     #[command(flatten)]
     engine: EngineOptions,
 }
@@ -58,6 +60,41 @@ pub(super) struct RunShards {
 pub(super) struct VerifyOptions {
     /// Plan file
     plan: PathBuf,
+    #[command(flatten)]
+    counted: Counted,
+}
+
+/// Option that says how shards are counted.
+#[derive(Args, Clone, Copy, Debug)]
+struct Counted {
+    /// Number of the first shard: 1, or 0 for job arrays that count from it
+    #[arg(long, value_name = "0|1", default_value_t = 1, value_parser = clap::value_parser!(u32).range(0..=1))]
+    from: u32,
+}
+
+impl Counted {
+    /// Returns the shards that a text names, of `count`, counted from 1.
+    fn shards(self, text: Option<&str>, count: u32) -> Result<std::ops::RangeInclusive<u32>, Exit> {
+        let Some(text) = text else { return Ok(1..=count) };
+        let (first, last) = text.split_once('-').unwrap_or((text, text));
+        let number = |text: &str| Some(text.parse::<u32>().ok()?.checked_sub(self.from)? + 1);
+        match number(first).zip(number(last)) {
+            Some((first, last)) if first <= last && last <= count => Ok(first..=last),
+            _ => {
+                let last = count - 1 + self.from;
+                Err(Exit::Usage(format!(
+                    "--shard is '{text}'; it must be a number from {} to {last}, or a range of two \
+                     such numbers, as in 2-5",
+                    self.from
+                )))
+            }
+        }
+    }
+
+    /// Returns the number by which a shard, counted from 1, is told.
+    fn told(self, shard: u32) -> u32 {
+        shard - 1 + self.from
+    }
 }
 
 #[derive(Args, Debug)]
@@ -66,7 +103,7 @@ pub(super) struct MergeOptions {
     plan: PathBuf,
     /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
-    progress: Mode,
+    pub progress: Mode,
     #[command(flatten)]
     picture: PictureOptions,
     #[command(flatten)]
@@ -83,6 +120,7 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
             "-o names a plan, and .parts is the ending of the folder beside it: name a .toml";
         return Err(Exit::Usage(message.to_string()).into());
     }
+    super::check_name(&options.output, "-o", &["toml", "plan"])?;
     let scene = match &what {
         PlannedOutput::Still(document) => document.scene(),
         PlannedOutput::Film(film) => film.keys[0].scene.scene(),
@@ -151,7 +189,7 @@ fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
 pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
     options.engine.check()?;
     let task = farm::open(&options.plan)?;
-    let shards = shards(options.shard.as_deref(), task.plan.shards)?;
+    let shards = options.counted.shards(options.shard.as_deref(), task.plan.shards)?;
     let request =
         options.engine.request(IntegrationSetting::Explicit(task.config), task.plan.verify);
     let chosen = start(&farm::request_like(&task.plan, request)).with_context(|| {
@@ -163,26 +201,13 @@ pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn shards(text: Option<&str>, count: u32) -> Result<std::ops::RangeInclusive<u32>, Exit> {
-    let Some(text) = text else { return Ok(1..=count) };
-    let (first, last) = text.split_once('-').unwrap_or((text, text));
-    let range = first.parse().ok().zip(last.parse().ok());
-    match range {
-        Some((first, last)) if 1 <= first && first <= last && last <= count => Ok(first..=last),
-        _ => Err(Exit::Usage(format!(
-            "--shard is '{text}'; it must be a number from 1 to {count}, or a range of two such \
-             numbers, as in 2-5"
-        ))),
-    }
-}
-
 /// Runs `flipmap verify`.
 pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<()> {
     let task = farm::open(&options.plan)?;
     let parts = farm::scan(&task)?;
     let missing = task.missing_shards(&parts);
     for shard in &missing {
-        super::say_if_heard(&shard.to_string())?;
+        super::say_if_heard(&options.counted.told(*shard).to_string())?;
     }
     if missing.is_empty() {
         Ok(())

@@ -39,7 +39,7 @@ pub(super) struct Options {
     json: bool,
     /// Progress display on standard error
     #[arg(hide_short_help = true, long, value_enum, default_value_t = Mode::Auto)]
-    progress: Mode,
+    pub progress: Mode,
     #[command(flatten)]
     scene: SceneOptions,
     #[command(flatten)]
@@ -52,8 +52,7 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
-    let outputs = options.outputs.or_picture_of(options.scene.scene.as_deref())?;
-    let (mut document, spec) = prepare(options, &outputs)?;
+    let (mut document, spec, outputs) = prepare(options)?;
     let (scene, paths) = (document.scene(), outputs.paths());
     let mut continued =
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
@@ -103,19 +102,20 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
 }
 
 /// Resolves the options, and rejects impossible ones before anything is computed.
-fn prepare(options: &Options, outputs: &OutputOptions) -> anyhow::Result<(Document, RunSpec)> {
+fn prepare(options: &Options) -> anyhow::Result<(Document, RunSpec, OutputOptions)> {
     options.run.engine.check()?;
     let mut document = options.scene.document()?;
     let spec = options.run.settle(&mut document)?;
     options.picture.apply(&mut document)?;
     document.view = document.view.fitted(spec.size().map(f64::from));
+    let outputs = options.outputs.or_picture_of(options.scene.scene.as_deref())?;
     let inputs: Vec<_> =
         options.scene.file().into_iter().chain(options.picture.palette_file()).collect();
     outputs.check(options.json, spec.verify, options.state.as_deref(), &inputs)?;
-    settle_samples(options, &mut document, (spec.size(), outputs));
+    settle_samples(options, &mut document, (spec.size(), &outputs));
     check_state(options, &document, &spec)?;
     check_picture(&document, spec.size())?;
-    Ok((document.settled(), spec))
+    Ok((document.settled(), spec, outputs))
 }
 
 /// Writes the state, if there is one, and returns the time it took.

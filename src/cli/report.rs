@@ -42,7 +42,7 @@ pub(super) struct Options {
     sample: Option<u32>,
     /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
-    progress: Mode,
+    pub progress: Mode,
     /// Instead of measuring, search random scenes for this many minutes for pixels that --accuracy
     /// exact gets wrong but does not mark; findings are printed as commands and kept in hunt.json
     #[arg(long, value_name = "MINUTES", value_parser = minutes)]

@@ -38,6 +38,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let scene = options.scene.document()?.scene();
     let output = options.output.as_deref().map(|path| ("-o", path));
     keep_apart(options.scene.file().as_slice(), output.as_slice())?;
+    if let Some(path) = &options.output {
+        super::check_name(path, "-o", &["csv"])?;
+    }
     let Options { start, until, every, .. } = options;
     let mut trace = Trace::from_text(&scene, start, until, every)?;
     let to_stdout = options.output.as_ref().is_none_or(|path| is_stdout(path));

@@ -258,7 +258,7 @@ fn pictures_have_the_format_of_their_name() {
     }
     for refused in ["map.gif", "map.bmp"] {
         let output = render(&folder, &["-o", refused]);
-        assert!(error_of(&output).contains(".png, .jpg, .webp or .tiff"), "{refused}");
+        assert!(error_of(&output).contains(".png, .jpg, .jpeg, .webp, .tif or .tiff"), "{refused}");
         assert!(!folder.path().join(refused).exists());
     }
 }

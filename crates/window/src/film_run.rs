@@ -62,9 +62,17 @@ pub(crate) enum FilmRunError {
     Stopped,
 }
 
-/// A line of progress.
+/// What the process says in a line.
 #[derive(Deserialize)]
-struct Line {
+#[serde(untagged)]
+enum Line {
+    Progress(Progress),
+    Error { error: String },
+}
+
+/// Progress of the process.
+#[derive(Deserialize)]
+struct Progress {
     done: u64,
     total: u64,
     secs_left: f64,
@@ -97,7 +105,10 @@ pub(super) fn film(
     while let Some(lines) = &lines {
         match lines.recv_timeout(TICK) {
             Ok(line) => match serde_json::from_str(&line) {
-                Ok(progress) => set(stage(&progress)),
+                Ok(Line::Progress(progress)) => set(stage(&progress)),
+                Ok(Line::Error { error }) => said = error,
+                // Messages of the program, and lines of others, as of a library that panics.
+                Err(_) if line.starts_with('{') => {}
                 Err(_) => said = line,
             },
             Err(RecvTimeoutError::Timeout) => {}
@@ -113,7 +124,7 @@ pub(super) fn film(
         true => Ok(()),
         false if asked => Err(FilmRunError::Stopped),
         false if said.is_empty() => Err(FilmRunError::Said(format!("the film ended: {status}"))),
-        false => Err(FilmRunError::Said(said.trim_start_matches("flipmap: ").to_string())),
+        false => Err(FilmRunError::Said(said)),
     }
 }
 
@@ -137,7 +148,7 @@ fn lines_of(stream: impl Read + Send + 'static) -> Receiver<String> {
     lines
 }
 
-fn stage(line: &Line) -> ExportStage {
+fn stage(line: &Progress) -> ExportStage {
     let share = line.done as f64 / line.total.max(1) as f64;
     let left = match line.secs_left {
         secs if secs < 90.0 => format!("{} s left", secs.round()),
@@ -165,14 +176,15 @@ mod tests {
     #[test]
     fn progress_is_read_from_lines_and_told_as_time_left() {
         let lines = lines_of(
-            &b"{\"done\":1,\"total\":4,\"pixels_per_sec\":2,\"secs_left\":7.4}\nflipmap: no\n"[..],
+            &b"{\"done\":1,\"total\":4,\"pixels_per_sec\":2,\"secs_left\":7.4}\n{\"error\":\"no\"}\n"[..],
         );
-        let line: Line = serde_json::from_str(&lines.recv().unwrap()).unwrap();
-        let ExportStage::Running { share, pace } = stage(&line) else { panic!("not running") };
+        let line = || serde_json::from_str(&lines.recv().unwrap()).unwrap();
+        let Line::Progress(progress) = line() else { panic!("no progress") };
+        let ExportStage::Running { share, pace } = stage(&progress) else { panic!("not running") };
         assert_eq!((share, pace.as_str()), (0.25, "7 s left"));
-        assert_eq!(lines.recv().unwrap(), "flipmap: no");
+        assert!(matches!(line(), Line::Error { error } if error == "no"));
         assert!(lines.recv().is_err());
-        let long = Line { done: 0, total: 0, secs_left: 3600.0 };
+        let long = Progress { done: 0, total: 0, secs_left: 3600.0 };
         assert_eq!(stage(&long), ExportStage::Running { share: 0.0, pace: "60 min left".into() });
     }
 }

@@ -66,6 +66,22 @@ impl Device {
         File::options().write(true).open(path).map(Device)
     }
 
+    /// Refuses a standard output that was closed before the program began. Rust's runtime then puts
+    /// /dev/null in its place, open for reading and writing; a shell opens it for writing only.
+    pub(super) fn check_stdout() -> io::Result<()> {
+        #[cfg(target_os = "linux")]
+        {
+            use rustix::fs::{OFlags, fcntl_getfl, fstat, makedev, stat};
+            let out = io::stdout();
+            let is_null = fstat(&out)?.st_rdev
+                == stat("/dev/null").map_or(makedev(1, 3), |null| null.st_rdev);
+            if is_null && fcntl_getfl(&out)?.contains(OFlags::RDWR) {
+                return Err(io::Error::other("it is closed: redirect it, or name a file"));
+            }
+        }
+        Ok(())
+    }
+
     /// Returns standard output.
     pub(super) fn stdout() -> io::Result<Self> {
         #[cfg(unix)]

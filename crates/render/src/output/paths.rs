@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::ending::check_ending;
 use super::failure::OutputError;
 use super::whole_picture::{WholeFormat, check_depth};
 use super::{Destination, PyramidFolder, SafeFile};
@@ -84,7 +85,8 @@ impl Paths {
                 OutputKind::Picture | OutputKind::Trust => {
                     WholeFormat::of(path).and_then(|_| file())
                 }
-                OutputKind::Raw | OutputKind::Exr => file(),
+                OutputKind::Raw => check_ending(path, &["npy"]).and_then(|()| file()),
+                OutputKind::Exr => check_ending(path, &["exr"]).and_then(|()| file()),
             };
             let setting = output.setting();
             checked.map_err(|source| OutputError::Create { setting, name, source })

@@ -5,6 +5,8 @@ use std::fmt;
 use std::fs::File;
 #[cfg(unix)]
 use std::fs::Permissions;
+#[cfg(unix)]
+use std::fs::TryLockError;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -92,6 +94,7 @@ impl SafeFile {
     pub fn check(destination: &Destination) -> io::Result<()> {
         match destination {
             Destination::File(path) if is_device(path) => Ok(()),
+            Destination::Stdout => Device::check_stdout(),
             destination => SafeFile::create(destination).map(drop),
         }
     }
@@ -127,7 +130,7 @@ impl SafeFile {
 }
 
 /// Returns true for a pipe or a device.
-fn is_device(path: &Path) -> bool {
+pub(super) fn is_device(path: &Path) -> bool {
     path.exists() && !path.is_file() && !path.is_dir()
 }
 
@@ -140,13 +143,20 @@ pub(super) const UNIQUE: usize = 16;
 /// Name of the file in an unfinished folder that its process locks; a folder without it is kept.
 pub(super) const HELD: &str = "held";
 
-/// Age above which an unfinished file may be an orphan; a younger one may not be locked yet.
-const ORPHAN_AGE: Duration = Duration::from_secs(60);
+/// Time for which an unfinished file must be found without a lock: a running process locks its file
+/// right after it has created it.
+const UNLOCKED_FOR: Duration = Duration::from_millis(100);
 
 /// Locks an unfinished file while it is open, if the file system has locks.
 #[cfg(unix)]
 pub(super) fn hold(file: &File) {
-    let _ = file.try_lock();
+    // Another run, which looks for orphans, may hold it for a moment.
+    for _ in 0..50 {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(2)),
+            _ => return,
+        }
+    }
 }
 
 #[cfg(not(unix))]
@@ -158,14 +168,17 @@ pub(super) fn remove_orphans(folder: &Path) {
     static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let is_new = SEEN.lock().is_ok_and(|mut seen| seen.insert(folder.to_path_buf()));
     let Some(files) = is_new.then(|| folder.read_dir().ok()).flatten() else { return };
-    for file in files.flatten() {
-        let ours = is_unfinished(&file.file_name().to_string_lossy());
-        let path = file.path();
-        if ours && is_orphan(&path) {
-            let _ = std::fs::remove_file(&path);
-        } else if ours && is_orphan(&path.join(HELD)) {
-            let _ = std::fs::remove_dir_all(&path);
-        }
+    let unlocked = |path: &PathBuf| is_unlocked(path) || is_unlocked(&path.join(HELD));
+    let ours = files.flatten().filter(|file| is_unfinished(&file.file_name().to_string_lossy()));
+    let mut orphans: Vec<PathBuf> = ours.map(|file| file.path()).filter(unlocked).collect();
+    if orphans.is_empty() {
+        return;
+    }
+    std::thread::sleep(UNLOCKED_FOR);
+    orphans.retain(unlocked);
+    for path in orphans {
+        let _ =
+            if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
     }
 }
 
@@ -175,20 +188,18 @@ fn is_unfinished(name: &str) -> bool {
     unique.len() == UNIQUE && unique.bytes().all(|byte| byte.is_ascii_alphanumeric())
 }
 
-/// Returns true if an unfinished file is old and no process locks it.
+/// Returns true if no process locks an unfinished file.
 #[cfg(unix)]
-fn is_orphan(path: &Path) -> bool {
-    let Ok(found) = path.symlink_metadata() else { return false };
-    let age = found.modified().ok().and_then(|since| since.elapsed().ok());
-    let is_old = found.is_file() && age.is_some_and(|age| age > ORPHAN_AGE);
+fn is_unlocked(path: &Path) -> bool {
+    let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
     // Opened for writing, because some network file systems lock no other files.
-    is_old && File::options().write(true).open(path).is_ok_and(|file| file.try_lock().is_ok())
+    is_file && File::options().write(true).open(path).is_ok_and(|file| file.try_lock().is_ok())
 }
 
 /// Returns false: files are not locked on other systems, where a lock would stop ffmpeg from
 /// writing.
 #[cfg(not(unix))]
-fn is_orphan(_: &Path) -> bool {
+fn is_unlocked(_: &Path) -> bool {
     false
 }
 
@@ -262,29 +273,31 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let named = |word: &str| format!("{UNFINISHED}{word:0>UNIQUE$}");
-        let long_ago = std::time::SystemTime::now() - 2 * ORPHAN_AGE;
-        let unfinished = |name: &str, modified| {
-            let file = File::create(at(name)).unwrap();
-            file.set_modified(modified).unwrap();
-            file
-        };
-        drop(unfinished(&named("killed"), long_ago));
-        let running = unfinished(&named("goeson"), long_ago);
+        let unfinished = |name: &str| File::create(at(name)).unwrap();
+        drop(unfinished(&named("killed")));
+        let running = unfinished(&named("goeson"));
         hold(&running);
-        drop(unfinished(&named("young1"), std::time::SystemTime::now()));
+        // Another process locks its file a moment after it has created it.
+        let young = unfinished(&named("young1"));
+        let locked_later = std::thread::spawn(move || {
+            std::thread::sleep(UNLOCKED_FOR / 4);
+            hold(&young);
+            young
+        });
         let short = format!("{UNFINISHED}map");
         let dotted = named("keep.me");
         let others = ["mine", ".flipmap-abcdef", ".flipmap-", &short, &dotted];
         for name in others {
-            drop(unfinished(name, long_ago));
+            drop(unfinished(name));
         }
         for folder in ["deadma", "goesma", "keptma"] {
             std::fs::create_dir_all(at(&named(folder)).join("new")).unwrap();
         }
-        drop(unfinished(&(named("deadma") + "/held"), long_ago));
-        let running_map = unfinished(&(named("goesma") + "/held"), long_ago);
+        drop(unfinished(&(named("deadma") + "/held")));
+        let running_map = unfinished(&(named("goesma") + "/held"));
         hold(&running_map);
         SafeFile::write_whole(&Destination::File(at("map.png")), b"new").unwrap();
+        let _young = locked_later.join().unwrap();
         let left = |name: &str| at(name).exists();
         assert!(!left(&named("killed")) && !left(&named("deadma")));
         assert!(others.into_iter().chain(["map.png"]).all(left));

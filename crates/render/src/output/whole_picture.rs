@@ -7,9 +7,13 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat};
 
 use super::SafeFile;
+use super::ending::check_ending;
 
 /// JPEG quality, 1 to 100: high, because a map is full of thin filaments.
 const JPEG_QUALITY: u8 = 95;
+
+/// Extensions of pictures.
+pub const PICTURES: &[&str] = &["png", "jpg", "jpeg", "webp", "tif", "tiff"];
 
 /// A format other than PNG.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,15 +35,15 @@ struct WholeLimits {
 
 impl WholeFormat {
     /// Returns the format that the extension of a picture's name asks for; `None` for PNG, which is
-    /// also the format of names without a known extension.
+    /// also the format of names without an extension.
     pub(super) fn of(path: &Path) -> io::Result<Option<Self>> {
-        match ImageFormat::from_path(path) {
-            Err(_) | Ok(ImageFormat::Png) => Ok(None),
-            Ok(ImageFormat::Jpeg) => Ok(Some(WholeFormat::Jpeg)),
-            Ok(ImageFormat::WebP) => Ok(Some(WholeFormat::WebP)),
-            Ok(ImageFormat::Tiff) => Ok(Some(WholeFormat::Tiff)),
-            Ok(_) => Err(io::Error::other("pictures are written as .png, .jpg, .webp or .tiff")),
-        }
+        check_ending(path, PICTURES)?;
+        Ok(match ImageFormat::from_path(path) {
+            Ok(ImageFormat::Jpeg) => Some(WholeFormat::Jpeg),
+            Ok(ImageFormat::WebP) => Some(WholeFormat::WebP),
+            Ok(ImageFormat::Tiff) => Some(WholeFormat::Tiff),
+            _ => None,
+        })
     }
 
     fn limits(self) -> WholeLimits {
@@ -150,7 +154,9 @@ mod tests {
         for name in ["a.png", "a", "-", "/dev/full"] {
             assert_eq!(WholeFormat::of(Path::new(name)).unwrap(), None, "{name}");
         }
-        let error = WholeFormat::of(Path::new("a.gif")).unwrap_err().to_string();
-        assert!(error.contains(".png, .jpg, .webp or .tiff"), "{error}");
+        for name in ["a.gif", "a.mp4", "a.npy", "a.pdf"] {
+            let error = WholeFormat::of(Path::new(name)).unwrap_err().to_string();
+            assert!(error.ends_with(".png, .jpg, .jpeg, .webp, .tif or .tiff"), "{error}");
+        }
     }
 }

@@ -1,0 +1,129 @@
+//! What other programs do to this one: shells, limits, closed streams, and readers of its lines.
+
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use super::*;
+
+/// Runs a line of a shell in which `flipmap` is the program.
+fn shell(folder: &TempDir, line: &str) -> Output {
+    let line = line.replace("flipmap", env!("CARGO_BIN_EXE_flipmap"));
+    let mut command = Command::new("sh");
+    command.current_dir(folder).env("XDG_CACHE_HOME", env!("CARGO_TARGET_TMPDIR"));
+    command.args(["-c", &line]).output().unwrap()
+}
+
+const SMALL: &str = "render --engine cpu --size 64x64";
+
+fn names_in(folder: &TempDir) -> Vec<String> {
+    let files = fs::read_dir(folder.path()).unwrap();
+    let mut names: Vec<String> =
+        files.map(|file| file.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn signals_that_were_ignored_from_the_beginning_stay_ignored() {
+    let folder = folder();
+    let program = env!("CARGO_BIN_EXE_flipmap");
+    let line = format!(
+        "trap '' HUP INT; exec {program} render --engine cpu --accuracy lesson --size 900x900 \
+         -o map.png"
+    );
+    let mut child = Command::new("sh")
+        .current_dir(&folder)
+        .args(["-c", &line])
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while names_in(&folder).is_empty() && begun.elapsed() < Duration::from_secs(20) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    for signal in ["HUP", "INT"] {
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+    }
+    assert!(child.wait().unwrap().success());
+    assert_eq!(names_in(&folder), ["map.png"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_over_the_limit_of_the_shell_is_an_error_of_the_file() {
+    let folder = folder();
+    let output = shell(&folder, &format!("ulimit -f 2; flipmap {SMALL} -o map.png"));
+    assert_eq!(output.status.code(), Some(1), "{}", error_of(&output));
+    assert!(error_of(&output).contains("map.png: File too large"), "{}", error_of(&output));
+    assert!(names_in(&folder).is_empty());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_picture_that_no_one_takes_is_an_error() {
+    let folder = folder();
+    let output = shell(&folder, &format!("flipmap {SMALL} -o - >&-"));
+    assert_eq!(output.status.code(), Some(1), "{}", error_of(&output));
+    assert!(error_of(&output).contains("cannot write standard output: it is closed"));
+    assert!(shell(&folder, &format!("flipmap {SMALL} -o - >/dev/null")).status.success());
+}
+
+#[test]
+fn unknown_endings_are_refused_before_the_work() {
+    let folder = folder();
+    for (options, list) in [
+        ("-o map.mp4", ".png, .jpg, .jpeg, .webp, .tif or .tiff"),
+        ("-o map.npy", ".png, .jpg"),
+        ("--raw times.csv", "as .npy"),
+        ("--exr map.png", "as .exr"),
+        ("--verify --trust doubt.pdf -o a.png", ".png, .jpg"),
+    ] {
+        let output = flipmap(
+            &folder,
+            &[&SMALL.split(' ').collect::<Vec<_>>()[..], &options.split(' ').collect::<Vec<_>>()]
+                .concat(),
+        );
+        let error = error_of(&output);
+        assert!(!output.status.success() && error.contains(list), "{options}: {error}");
+    }
+    let trace = flipmap(&folder, &["trace", "--start", "1,2", "-o", "d.json"]);
+    assert!(error_of(&trace).contains("ends in .json, and it is written as .csv"));
+    let lab = flipmap(&folder, &["lab", "twenty", "--csv", "a.png"]);
+    assert!(error_of(&lab).contains("--csv: cannot write a.png: its name ends in .png"));
+    assert!(names_in(&folder).is_empty());
+}
+
+#[test]
+fn a_map_without_a_name_is_called_home() {
+    let folder = folder();
+    let small = &SMALL.split(' ').collect::<Vec<_>>()[..];
+    assert!(flipmap(&folder, small).status.success());
+    assert_eq!(names_in(&folder), ["home.png"]);
+    let again = flipmap(&folder, small);
+    assert!(error_of(&again).contains("home.png is there already"), "{}", error_of(&again));
+    let wrong = flipmap(&folder, &[small, &["--accuracy", "exac"]].concat());
+    assert!(error_of(&wrong).contains("exac"), "{}", error_of(&wrong));
+}
+
+#[test]
+fn quiet_runs_say_nothing_and_json_runs_nothing_else() {
+    let folder = folder();
+    let small = &SMALL.split(' ').collect::<Vec<_>>()[..];
+    let quiet = flipmap(&folder, &[small, &["--quiet", "-o", "a.png"]].concat());
+    assert_eq!((quiet.status.code(), error_of(&quiet).as_str()), (Some(0), ""));
+    let json = flipmap(&folder, &[small, &["--progress", "json", "-o", "b.png"]].concat());
+    let error = error_of(&json);
+    let keys: Vec<String> = error
+        .lines()
+        .map(|line| {
+            let object: serde_json::Value = serde_json::from_str(line).expect(line);
+            object.as_object().unwrap().keys().next().unwrap().clone()
+        })
+        .collect();
+    assert!(keys.contains(&"done".to_string()) && keys.contains(&"message".to_string()), "{error}");
+    let failed = flipmap(&folder, &[small, &["--progress", "json", "-o", "no/b.png"]].concat());
+    let object: serde_json::Value = serde_json::from_str(error_of(&failed).trim()).unwrap();
+    assert!(object["error"].as_str().unwrap().contains("the folder no does not exist"));
+}
