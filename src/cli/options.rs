@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::builder::Resettable;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use flipmap_render::output::named_document;
-use flipmap_scene::{BuiltIn, Document, SceneError, Setting};
+use flipmap_scene::{BuiltIn, Document, SceneError, Setting, plain_numbers};
 
 use super::exit::Exit;
 use super::same_file::Named;
@@ -127,7 +127,7 @@ pub(super) fn set<T, Why: std::fmt::Display>(
 
 /// Parses a number.
 pub(super) fn number(text: &str) -> Option<f64> {
-    text.trim().parse().ok()
+    plain_numbers(text).parse().ok()
 }
 
 /// Loads a scene from a file, or a built-in one by its name.

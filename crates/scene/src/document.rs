@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::allowed::did_you_mean;
 use super::exact_length::exactly_if_given;
-use super::{PendulumSpec, PictureTable, Plane, QuestionSettings, Scene, SceneError, View};
+use super::pasted::plain_numbers;
+use super::{Axis, PendulumSpec, PictureTable, Plane, QuestionSettings, Scene, SceneError, View};
 
 /// Newest file format that this program reads, which is also the one that it writes.
 pub(super) const FORMAT: u32 = 1;
@@ -115,6 +117,29 @@ pub enum DocumentError {
     /// A number out of range.
     #[error("{0}")]
     Scene(#[from] SceneError),
+    /// A number out of range in a line of a file.
+    #[error("line {line}: {error}")]
+    InLine {
+        /// Number of the line, from 1.
+        line: usize,
+        /// The error of its value.
+        error: SceneError,
+    },
+}
+
+impl DocumentError {
+    /// Adds the line of a file's text that has the setting of the error, if one has.
+    fn in_line(self, text: &str) -> Self {
+        let DocumentError::Scene(error) = self else { return self };
+        let sets = |line: &str| {
+            let key = line.split_once('=').map_or("", |(key, _)| key.trim());
+            key.rsplit('.').next() == Some(error.setting)
+        };
+        match (1..).zip(text.lines()).find(|(_, line)| sets(line)) {
+            Some((line, _)) => DocumentError::InLine { line, error },
+            None => DocumentError::Scene(error),
+        }
+    }
 }
 
 /// The file's version, read first so that a newer file is reported as newer and not as wrong.
@@ -129,7 +154,12 @@ impl Document {
         check_format(text)?;
         let syntax = |error: toml::de::Error| DocumentError::Syntax(one_line(&error, text));
         let document: Document = toml::from_str(text).map_err(syntax)?;
-        document.checked()
+        let axes = document.plane.axes();
+        let origin = document.plane.origin.each_ref();
+        let origin = [0, 1, 2, 3].map(|i| Axis::OF_STARTS[i].in_unit(&plain_numbers(origin[i])));
+        let plane = Plane { origin, ..document.plane };
+        let document = Document { view: document.view.in_units(axes), plane, ..document };
+        document.checked().map_err(|error| error.in_line(text))
     }
 
     /// Checks every number of the scene and of its picture, and guesses an automatic budget.
@@ -191,7 +221,7 @@ pub(super) fn check_format(text: &str) -> Result<(), DocumentError> {
 /// Formats a TOML error as one sentence with its line and column. Keys and values of the file get
 /// plain quotes, because words in backquotes are names of settings.
 pub fn one_line(error: &toml::de::Error, text: &str) -> String {
-    let message = error.message().replace('\n', ", ").replace('`', "'");
+    let message = in_plain_words(&error.message().replace('\n', ", ").replace('`', "'"));
     let Some(span) = error.span() else {
         return message;
     };
@@ -199,6 +229,30 @@ pub fn one_line(error: &toml::de::Error, text: &str) -> String {
     let line = before.matches('\n').count() + 1;
     let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
     format!("line {line}, column {column}: {message}")
+}
+
+/// Returns a message of the parser in the words of people who write files.
+fn in_plain_words(message: &str) -> String {
+    const WORDS: [(&str, &str); 10] = [
+        ("invalid type: ", "it is the "),
+        ("invalid value: ", "it is the "),
+        (", expected one of ", "; it must be one of "),
+        (", expected ", "; it must be "),
+        ("unknown variant ", "it is the unknown name "),
+        ("unknown field ", "unknown key "),
+        ("must be f64", "must be a number"),
+        ("must be u32", "must be a whole number"),
+        ("must be a boolean", "must be true or false"),
+        ("must be a string", "must be a text in quotes"),
+    ];
+    let plain = WORDS.iter().fold(message.to_string(), |text, (from, to)| text.replace(from, to));
+    let names: Vec<&str> = plain.split('\'').skip(1).step_by(2).collect();
+    match names[..] {
+        [typed, ref known @ ..] if plain.contains("unknown") => {
+            plain.clone() + &did_you_mean(known, typed)
+        }
+        _ => plain,
+    }
 }
 
 #[cfg(test)]
@@ -225,9 +279,28 @@ mod tests {
     }
 
     #[test]
+    fn coordinates_are_read_as_people_write_them() {
+        let view =
+            |text: &str| Document::parse(&format!("[view]\n{text}")).map(|document| document.view);
+        let plain = view("width = 1\ncenter = [\"90deg\", 0.5]").unwrap();
+        assert!(
+            plain.center[0].starts_with("1.5707963267948966192313216916")
+                && plain.center[1] == "0.5"
+        );
+        assert_eq!(plain.width, "1");
+        assert_eq!(view("center = [\"\u{2212}1.5\", \"(2)\"]").unwrap().center, ["-1.5", "2"]);
+        let long = view("center = [0.12345678901234567, 0]").unwrap_err().to_string();
+        assert!(
+            long.contains("line 2, column 11") && long.contains("must stand in quotes"),
+            "{long}"
+        );
+    }
+
+    #[test]
     fn bad_files_are_refused_where_they_are_bad() {
         assert!(
-            refused("[pendulum]\nmass = 1").starts_with("line 2, column 1: unknown field 'mass'")
+            refused("[pendulum]\nmass = 1")
+                .starts_with("line 2, column 1: unknown key 'mass'; it must")
         );
         assert!(refused("[question]\nbudget = \"long\"").contains("line 2, column 10"));
         let three = refused("[pendulum]\nmasses = [1.0, 2.0, 3.0]");
@@ -250,7 +323,14 @@ mod tests {
         let unknown = refused("[question]\nask = \"why\"");
         assert!(unknown.contains("'flips', 'state'") && !unknown.contains('`'), "{unknown}");
         assert!(refused("format = 2\nnew = 1").contains("format 2; this program reads"));
-        assert!(refused("[view]\nwidth = \"0\"").contains("`width` is '0'"));
+        assert!(refused("[view]\nwidth = \"0\"").starts_with("line 2: `width` is '0'; it must"));
+        assert!(
+            unknown.starts_with("line 2, column 7: it is the unknown name 'why'; it must be one")
+        );
+        let near = refused("[question]\nask = \"flp\"");
+        assert!(near.ends_with("did you mean 'flip'?"), "{near}");
+        let relief = refused("[picture]\nrelief = \"high\"");
+        assert!(relief.ends_with("it is the string \"high\"; it must be a number"), "{relief}");
         assert!(refused("[pendulum]\nmasses = [1.0, nan]").contains("`masses`"));
         assert!(refused("[pendulum]\ngravity = -9.81").contains("`gravity`"));
         let rule = refused("[question]\nask = \"state\"\nrule = \"first\"");

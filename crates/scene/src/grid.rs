@@ -307,9 +307,13 @@ impl Grid {
         }
         let Pendulum { p, q, .. } = self.pendulum;
         if self.plane.is_at_rest {
+            // Without gravity nothing moves from rest.
+            if q <= 0.0 {
+                return true;
+            }
             let near = self.energy_depth(launch.angle.map(|theta| theta.hi));
             if near.abs() > SURE * (p + q) {
-                return q <= 0.0 || near > 0.0;
+                return near > 0.0;
             }
         }
         let Launch { angle, speed } = *launch;

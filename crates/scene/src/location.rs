@@ -5,6 +5,7 @@
 //! only where they differ from the defaults.
 
 use super::allowed::did_you_mean;
+use super::pasted::plain_numbers;
 use super::words::set_all;
 use super::{Scene, SceneError, Setting};
 
@@ -83,6 +84,7 @@ fn known(key: &str) -> Result<Setting, LocationError> {
 
 /// Reads `θ1,θ2,width`, as people write it in a message.
 fn three_numbers(text: &str) -> Result<Scene, LocationError> {
+    let text = plain_numbers(text);
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     let [theta1, theta2, width] = parts[..] else { return Err(LocationError::Foreign) };
     if parts.iter().any(|part| part.parse::<f64>().is_err()) {

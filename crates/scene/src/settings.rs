@@ -2,6 +2,7 @@
 //! its text. Options, locations and the errors of files and panels are made from it.
 
 use super::allowed::{between, did_you_mean, in_a_row, known, listed, names_of};
+use super::pasted::{comma_for_point, plain_numbers};
 use super::question::QuestionName;
 use super::{Axis, Budget, Kind, PendulumSpec, Plane, PlaneKind, QuestionSettings, Scene};
 use super::{MIN_WIDTH, SceneError, View};
@@ -87,7 +88,7 @@ static TABLE: [SettingDef; 17] = [
         names: Vec::new,
         allowed: |_| "it must be two numbers with a comma between them".to_string(),
         set: |scene, text| {
-            let (x, y) = text.split_once(',')?;
+            let (x, y) = text.split_once(',').filter(|(_, y)| !y.contains(','))?;
             let [across, up] = scene.plane.axes();
             scene.view.center = [across.in_unit(x), up.in_unit(y)];
             Some(())
@@ -336,11 +337,24 @@ impl Setting {
     /// Sets this setting of a scene from `text`; [`Scene::checked`] checks the ranges.
     pub(crate) fn set(self, scene: &mut Scene, text: &str) -> Result<(), SceneError> {
         let def = self.def();
-        (def.set)(scene, text.trim()).ok_or_else(|| {
+        let names = (def.names)();
+        let plain = if names.is_empty() { plain_numbers(text) } else { text.trim().into() };
+        (def.set)(scene, &plain).ok_or_else(|| {
             let mut error = self.refused(scene.plane.axes(), format!("'{text}'"));
-            error.allowed += did_you_mean(&(def.names)(), text).as_str();
+            error.allowed += did_you_mean(&names, text).as_str();
+            error.allowed += &self.comma_for_point(text);
             error
         })
+    }
+
+    /// Returns a hint if a text has commas in place of decimal points; empty if not.
+    pub(crate) fn comma_for_point(self, text: &str) -> String {
+        let count = match self {
+            Setting::Center | Setting::Masses | Setting::Lengths | Setting::Friction => 2,
+            Setting::Origin => 4,
+            _ => 1,
+        };
+        comma_for_point(text, count).unwrap_or_default()
     }
 
     /// Returns the setting's value as text, which [`Setting::set`] reads back.

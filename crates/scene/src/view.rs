@@ -5,7 +5,8 @@ use std::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 
 use super::allowed::between;
-use super::exact_length::exactly;
+use super::number_in_file::{coordinate, coordinates};
+use super::pasted::plain_numbers;
 use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError, Setting};
 use flipmap_numbers::{Dd, Exact, Scalar};
 
@@ -21,9 +22,10 @@ const MAX_PI_ERROR: f64 = 1e-15;
 #[serde(default, deny_unknown_fields)]
 pub struct View {
     /// Centre in the units of the plane's axes: (θ1, θ2) in rad on the default plane.
-    #[serde(deserialize_with = "exactly")]
+    #[serde(deserialize_with = "coordinates")]
     pub center: [String; 2],
     /// Length of the horizontal axis in its unit; pixels are square.
+    #[serde(deserialize_with = "coordinate")]
     pub width: String,
     /// Angle by which the picture's horizontal axis is turned anticlockwise, in degrees.
     pub rotate: f64,
@@ -59,6 +61,16 @@ fn shortened(text: &str) -> String {
 const SHOWN: usize = 60;
 
 impl View {
+    /// Returns the view with its coordinates as decimal numbers in the units of these axes: a file
+    /// may have them as a person writes them.
+    #[must_use]
+    pub(super) fn in_units(self, axes: [Axis; 2]) -> Self {
+        let plain = |axis: Axis, text: &String| axis.in_unit(&plain_numbers(text));
+        let center = [0, 1].map(|i| plain(axes[i], &self.center[i]));
+        let width = plain(axes[0], &self.width);
+        View { center, width, ..self }
+    }
+
     /// Range of a coordinate of the centre, in the unit of its axis.
     const COORDINATES: RangeInclusive<f64> = -1e6..=1e6;
     /// Largest width of a view, in the unit of the horizontal axis.

@@ -19,8 +19,9 @@ impl Scene {
         }
         self.checked().map_err(|mut error| {
             let typed = words.iter().find(|(setting, _)| setting.name() == error.setting);
-            if let Some((_, text)) = typed {
+            if let Some((setting, text)) = typed {
                 error.value = format!("'{text}'");
+                error.allowed += &setting.comma_for_point(text);
             }
             error
         })
@@ -67,6 +68,27 @@ mod tests {
 
     #[test]
     fn a_refused_value_is_quoted_as_it_was_typed() {
+        let refused =
+            |setting, text| Scene::default().with_words([(setting, text)]).unwrap_err().to_string();
+        for (setting, text, hint) in [
+            (Setting::Width, "1,5", "; decimals are written with a point, as in 1.5"),
+            (Setting::Budget, "2,5", "as in 2.5"),
+            (Setting::Center, "1,5,2,5", "as in 1.5,2.5"),
+            (
+                Setting::Center,
+                "1,2,3",
+                "`center` is '1,2,3'; it must be two numbers with a comma between them",
+            ),
+        ] {
+            let error = refused(setting, text);
+            assert!(error.ends_with(hint), "{error}");
+        }
+        let pasted = [(Setting::Center, "(\u{2212}1.66,\u{a0}0.1)."), (Setting::Width, "0.4.")];
+        let scene = Scene::default().with_words(pasted).unwrap();
+        assert_eq!(
+            (scene.view.center, scene.view.width),
+            (["-1.66".into(), "0.1".into()], "0.4".into())
+        );
         let words = [(Setting::Stretch, "1e0"), (Setting::Budget, "-3e0")];
         let error = Scene::default().with_words(words).unwrap_err();
         assert!(error.to_string().starts_with("`budget` is '-3e0'; it must be"), "{error}");

@@ -3,7 +3,7 @@
 use std::io::{self, BufRead, Seek, Write};
 
 use super::pixel_stream::PixelStream;
-use flipmap_scene::Document;
+use flipmap_scene::{Document, DocumentError};
 
 /// The keyword of the text chunk.
 const KEYWORD: &str = "flipmap";
@@ -20,9 +20,15 @@ pub enum PngError {
     /// A file that is not a PNG, or was cut short.
     #[error("is not a complete PNG ({0})")]
     Broken(#[from] png::DecodingError),
-    /// A PNG by some other program.
-    #[error("is a PNG, but flipmap did not write it: it has no '{KEYWORD}' text")]
+    /// A PNG by some other program, or one that has lost its scene.
+    #[error(
+        "is a PNG without a scene: flipmap did not write it, or a program that saved it again has \
+         left out its '{KEYWORD}' text"
+    )]
     Foreign,
+    /// A picture of a later version.
+    #[error("was written by a newer flipmap: {0}")]
+    Newer(DocumentError),
     /// A picture with a longer side than the reader accepts.
     #[error("is {side} pixels long; at most {longest_side} are read here")]
     Large {
@@ -33,7 +39,7 @@ pub enum PngError {
     },
     /// A text chunk of flipmap's that holds no scene.
     #[error("has a damaged '{KEYWORD}' text: {0}")]
-    Text(#[from] flipmap_scene::DocumentError),
+    Text(DocumentError),
 }
 
 /// Writes RGB rows of eight or sixteen bits a channel as they come. Blocks of rows are compressed
@@ -143,7 +149,7 @@ pub fn document_in_png(file: impl BufRead + Seek) -> Result<Document, PngError> 
 /// read.
 pub(crate) fn carries_scene(file: impl BufRead + Seek) -> bool {
     let reader = png::Decoder::new(file).read_info();
-    reader.is_ok_and(|reader| reader.info().utf8_text.iter().any(|text| text.keyword == KEYWORD))
+    reader.is_ok_and(|reader| text_of(reader.info()).is_ok_and(|text| text.is_some()))
 }
 
 /// Reads a whole picture that flipmap wrote, if no side is longer than `longest_side`.
@@ -170,11 +176,29 @@ pub fn picture_in_png(file: impl BufRead + Seek, longest_side: u32) -> Result<Pi
 const MAX_TEXT: usize = 1 << 20;
 
 fn document_of(info: &png::Info<'_>) -> Result<Document, PngError> {
-    let mut texts = info.utf8_text.iter();
-    let chunk = texts.find(|chunk| chunk.keyword == KEYWORD).ok_or(PngError::Foreign)?;
-    let mut chunk = chunk.clone();
-    chunk.decompress_text_with_limit(MAX_TEXT)?;
-    Ok(Document::parse(&chunk.get_text()?)?)
+    let text = text_of(info)?.ok_or(PngError::Foreign)?;
+    Document::parse(&text).map_err(|why| match why {
+        why @ DocumentError::Future { .. } => PngError::Newer(why),
+        why => PngError::Text(why),
+    })
+}
+
+/// Returns the text with flipmap's keyword. Other programs that save a picture again write it as
+/// another kind of chunk, and may change the case of its keyword.
+fn text_of(info: &png::Info<'_>) -> Result<Option<String>, PngError> {
+    let is_ours = |keyword: &str| keyword.eq_ignore_ascii_case(KEYWORD);
+    if let Some(chunk) = info.utf8_text.iter().find(|chunk| is_ours(&chunk.keyword)) {
+        let mut chunk = chunk.clone();
+        chunk.decompress_text_with_limit(MAX_TEXT)?;
+        return Ok(Some(chunk.get_text()?));
+    }
+    if let Some(chunk) = info.compressed_latin1_text.iter().find(|chunk| is_ours(&chunk.keyword)) {
+        let mut chunk = chunk.clone();
+        chunk.decompress_text_with_limit(MAX_TEXT)?;
+        return Ok(Some(chunk.get_text()?));
+    }
+    let plain = info.uncompressed_latin1_text.iter().find(|chunk| is_ours(&chunk.keyword));
+    Ok(plain.map(|chunk| chunk.text.clone()))
 }
 
 #[cfg(test)]
@@ -245,6 +269,45 @@ mod tests {
         encoder.set_color(png::ColorType::Rgb);
         encoder.write_header().unwrap().write_image_data(&rgb).unwrap();
         assert!(ours.len() < usual.len(), "{} of {} bytes", ours.len(), usual.len());
+    }
+
+    #[test]
+    fn pictures_that_others_saved_again_keep_their_scene() {
+        let mut document = Document::default();
+        document.view.width = "0.25".to_string();
+        let text = document.text();
+        for (kind, color) in [
+            (0, png::ColorType::Indexed),
+            (1, png::ColorType::GrayscaleAlpha),
+            (2, png::ColorType::Rgba),
+        ] {
+            let mut bytes = Vec::new();
+            let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+            encoder.set_color(color);
+            encoder.set_palette(vec![1, 2, 3]);
+            let mut writer = encoder.write_header().unwrap();
+            writer.write_image_data(&vec![0; color.samples()]).unwrap();
+            use png::text_metadata::{ITXtChunk, TEXtChunk, ZTXtChunk};
+            // After the pixels, as some programs write it.
+            match kind {
+                0 => writer.write_text_chunk(&TEXtChunk::new("Flipmap", &text)),
+                1 => writer.write_text_chunk(&ZTXtChunk::new("flipmap", &text)),
+                _ => writer.write_text_chunk(&ITXtChunk::new("FLIPMAP", &text)),
+            }
+            .unwrap();
+            writer.finish().unwrap();
+            assert_eq!(document_in_png(Cursor::new(bytes)).unwrap(), document, "{kind}");
+        }
+    }
+
+    #[test]
+    fn a_newer_picture_is_newer_and_not_damaged() {
+        let document = Document { format: 2, ..Document::default() };
+        let error = document_in_png(Cursor::new(picture(&document))).unwrap_err().to_string();
+        assert!(
+            error.starts_with("was written by a newer flipmap: the file has format 2"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -9,7 +9,7 @@ use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::passes::{Pass, passes_in};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};
 use flipmap_pendulum::{Pendulum, Rule, State};
-use flipmap_scene::{Budget, Scene, SceneError, between, in_rad};
+use flipmap_scene::{Budget, Scene, SceneError, between, in_rad, plain_numbers};
 
 /// The result of [`Trace::advance`].
 pub(super) enum Advance {
@@ -172,14 +172,17 @@ const MAX_ROWS: f64 = 1e8;
 
 /// Reads a time in s.
 fn secs_from_text(setting: &'static str, text: &str) -> Result<Dd, SceneError> {
-    Dd::parse(text).filter(|time| Budget::SECS.contains(&time.hi)).ok_or_else(|| {
-        let range = format!("it must be a number of seconds {}", between(&Budget::SECS));
-        SceneError::new(setting, format!("'{text}'"), range)
-    })
+    Dd::parse(&plain_numbers(text)).filter(|time| Budget::SECS.contains(&time.hi)).ok_or_else(
+        || {
+            let range = format!("it must be a number of seconds {}", between(&Budget::SECS));
+            SceneError::new(setting, format!("'{text}'"), range)
+        },
+    )
 }
 
 /// Reads a start; `None` unless its numbers lie between -1e6 and 1e6.
 fn launch_from_text(text: &str) -> Option<State<Exact>> {
+    let text = plain_numbers(text);
     let numbers: Option<Vec<Exact>> =
         text.split(',').map(|part| Exact::parse(&in_rad(part))).collect();
     let numbers = numbers.filter(|all| all.iter().all(|number| number.to_f64().abs() <= 1e6))?;
