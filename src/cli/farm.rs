@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use flipmap_engine::choice::{Chosen, EngineRequest};
 use flipmap_render::farm::{self, OpenChoices, Parts, Plan, RunError, Task, TaskKind};
-use flipmap_render::film::ffmpeg::Codec;
+use flipmap_render::film::ffmpeg::{Codec, FilmQuality};
 use flipmap_render::film::{self, FilmRecipe, FilmRenderError};
 use flipmap_render::output::{read_text, shell_word};
 use flipmap_render::tiles::Renderer;
@@ -109,13 +109,19 @@ pub(super) fn lacks(missing: &[u32], task: &Task, plan: &Path) -> Exit {
     ))
 }
 
+/// Where a film goes, how it is encoded, and how progress is shown.
+pub(super) struct FilmOutput<'a> {
+    pub path: &'a Path,
+    pub quality: FilmQuality,
+    pub mode: Mode,
+}
+
 /// Paints a film from its parts.
 pub(super) fn paint(
     task: &Task,
     mut parts: Parts,
     options: &PictureOptions,
-    output: &Path,
-    mode: Mode,
+    to: &FilmOutput,
 ) -> anyhow::Result<()> {
     let (TaskKind::Film(film, _) | TaskKind::Frames(film, _)) = &task.work else { return Ok(()) };
     let mut document = film.keys[0].scene.clone();
@@ -128,7 +134,8 @@ pub(super) fn paint(
     } else {
         document = document.checked()?;
     }
-    let recipe = FilmRecipe { film, document: &document, output };
+    let FilmOutput { path: output, quality, mode } = *to;
+    let recipe = FilmRecipe { film, document: &document, output, quality };
     let watch = CommandLine::new(mode, "frames", None);
     let painted = recipe.merge(task, &mut parts, &watch);
     drop(watch);
@@ -148,9 +155,8 @@ pub(super) fn paint(
 pub(super) fn tell_made(recipe: &FilmRecipe) {
     let Film { size: [width, height], frames, fps, .. } = recipe.film;
     let output = recipe.output.display();
-    super::tell(&format!(
-        "flipmap: {frames} frames of {width}x{height} at {fps} per second in {output}"
-    ));
+    let frames = if *frames == 1 { "1 frame".to_string() } else { format!("{frames} frames") };
+    super::tell(&format!("flipmap: {frames} of {width}x{height} at {fps} per second in {output}"));
 }
 
 /// Rejects more or fewer samples per pixel than were planned.

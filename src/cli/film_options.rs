@@ -38,7 +38,7 @@ pub(super) struct FilmOptions {
     /// Number of frames (default: as many as the length needs)
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     frames: Option<String>,
-    /// Frames per second (default: 30)
+    /// Frames per second, also as 30000/1001 (default: 30)
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     fps: Option<String>,
     #[command(flatten)]
@@ -124,7 +124,7 @@ impl FilmOptions {
                 let scene = self.words.apply(self.words.base(self.scene())?)?.settled();
                 return varied(scene, vary, &self.words);
             }
-            ([] | [_], Some(to), None) => self.zoom(to)?,
+            ([] | [_], Some(to), None) => return self.zoom(to),
             ([keys], None, None) if is_toml(keys) => read_keys(keys)?,
             ([_, _, ..], None, None) => {
                 let scenes: anyhow::Result<Vec<Document>> =
@@ -138,6 +138,12 @@ impl FilmOptions {
                 );
             }
         };
+        if self.words.says_view() {
+            return usage(
+                "--center, --width, --rotate and --stretch would give all keys the same view: name \
+                 the scene at the end with --zoom-to, or write the views into the scenes",
+            );
+        }
         for key in &mut keys {
             key.scene = self.words.apply(std::mem::take(&mut key.scene))?;
         }
@@ -145,13 +151,13 @@ impl FilmOptions {
     }
 
     /// Returns keys of a zoom to a scene, from the named one or from home with the target's
-    /// question.
+    /// question. Options of the view say where the zoom ends.
     fn zoom(&self, to: &str) -> anyhow::Result<Vec<Key>> {
-        let mut to = load(to)?;
+        let mut to = self.words.apply(load(to)?)?;
         // These times suit the view at the end, not the zoom towards it.
         to.picture.times.clear();
         let from = match self.scenes.first() {
-            Some(name) => load(name)?,
+            Some(name) => self.words.without_view().apply(load(name)?)?,
             None => to.clone().with_scene(Scene { view: View::home_of(&to.plane), ..to.scene() }),
         };
         Ok(spaced(vec![from, to]))
@@ -161,7 +167,7 @@ impl FilmOptions {
     fn timed(&self, mut keys: Vec<Key>, size: [u32; 2]) -> Result<Film, Exit> {
         let said = |option: &str, text: &Option<String>, range: RangeInclusive<f64>| {
             let Some(text) = text else { return Ok(None) };
-            let fine = number(text).filter(|number| range.contains(number));
+            let fine = number_or_ratio(text).filter(|number| range.contains(number));
             let refuse = || format!("{option} is '{text}'; it must lie {}", between(&range));
             fine.map(Some).ok_or_else(|| Exit::Usage(refuse()))
         };
@@ -173,7 +179,7 @@ impl FilmOptions {
             keys.iter_mut().for_each(|key| key.secs *= secs / last.max(1e-9));
         }
         let last = keys[keys.len() - 1].secs;
-        let frames = said("--frames", &self.frames, 2.0..=most)?;
+        let frames = said("--frames", &self.frames, 1.0..=most)?;
         let fps = match (said("--fps", &self.fps, Film::FPS)?, frames, &self.secs) {
             (Some(fps), Some(frames), Some(_)) if (frames / fps - last).abs() > 1.0 / fps => {
                 return Err(Exit::Usage(format!(
@@ -200,6 +206,14 @@ impl FilmOptions {
         }
         let frames = frames.unwrap_or(needed) as u32;
         Ok(Film { size, frames, fps, keys })
+    }
+}
+
+/// Reads a number, or a ratio of two such as 30000/1001.
+fn number_or_ratio(text: &str) -> Option<f64> {
+    match text.split_once('/') {
+        Some((above, below)) => Some(number(above)? / number(below)?),
+        None => number(text),
     }
 }
 

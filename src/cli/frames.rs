@@ -17,7 +17,12 @@ use super::{farm, stop, video};
 pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyhow::Result<()> {
     check(options, film)?;
     let document = film.keys[0].scene.clone().checked()?;
-    let recipe = FilmRecipe { film, document: &document, output: &options.output };
+    let recipe = FilmRecipe {
+        film,
+        document: &document,
+        output: &options.output,
+        quality: options.quality.into(),
+    };
     farm::check(&recipe)?;
     let request =
         options.film.run.engine.request(spec.setting, spec.verify).answering(&document.question);

@@ -22,7 +22,7 @@ pub(super) struct SceneOptions {
 }
 
 /// Options that change single values of a scene: one for each setting in the table, in its order.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct SceneWords(Vec<(Setting, String)>);
 
 impl Args for SceneWords {
@@ -95,6 +95,16 @@ impl SceneWords {
         }
     }
 
+    /// Returns true if an option of the view was given.
+    pub(super) fn says_view(&self) -> bool {
+        self.0.iter().any(|(said, _)| is_of_view(*said))
+    }
+
+    /// Returns the options without those of the view.
+    pub(super) fn without_view(&self) -> SceneWords {
+        SceneWords(self.0.iter().filter(|(said, _)| !is_of_view(*said)).cloned().collect())
+    }
+
     /// Returns true if the option of a setting was given.
     pub(super) fn says(&self, setting: Setting) -> bool {
         self.0.iter().any(|(said, _)| *said == setting)
@@ -106,6 +116,10 @@ impl SceneWords {
         let scene = document.scene().with_words(words)?;
         Ok(document.with_scene(scene))
     }
+}
+
+fn is_of_view(setting: Setting) -> bool {
+    matches!(setting, Setting::Center | Setting::Width | Setting::Rotate | Setting::Stretch)
 }
 
 fn scene_help() -> String {

@@ -20,7 +20,7 @@ use super::picture_options::PictureOptions;
 use super::progress::Mode;
 use super::run_options::{EngineOptions, check_steps, start};
 use super::spread::spread;
-use super::video::codec_of;
+use super::video::{QualityOptions, codec_of};
 use super::watch::CommandLine;
 use super::{farm, stop};
 
@@ -104,6 +104,8 @@ pub(super) struct MergeOptions {
     /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     pub progress: Mode,
+    #[command(flatten)]
+    quality: QualityOptions,
     #[command(flatten)]
     picture: PictureOptions,
     #[command(flatten)]
@@ -229,9 +231,11 @@ pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<()> {
             };
             codec_of(output)?;
             spares_parts(&task.folder, &paths)?;
-            farm::check(&FilmRecipe { film, document: &film.keys[0].scene, output })?;
+            let (document, quality) = (&film.keys[0].scene, options.quality.into());
+            farm::check(&FilmRecipe { film, document, output, quality })?;
             let parts = farm::complete(&task, &options.plan)?;
-            farm::paint(&task, parts, &options.picture, output, options.progress)
+            let output = farm::FilmOutput { path: output, quality, mode: options.progress };
+            farm::paint(&task, parts, &options.picture, &output)
         }
         TaskKind::Still(document, passes) => merge_still(&task, document, passes, options),
     }

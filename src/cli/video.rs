@@ -7,7 +7,7 @@ use clap::Args;
 use flipmap_engine::choice::Chosen;
 use flipmap_render::farm::{Plan, PlannedOutput, Task};
 use flipmap_render::film::FilmRecipe;
-use flipmap_render::film::ffmpeg::{Codec, arguments};
+use flipmap_render::film::ffmpeg::{Codec, FilmQuality, arguments, tried};
 use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::film::{Film, FilmKind};
 
@@ -26,6 +26,8 @@ pub(super) struct Options {
     /// pictures
     #[arg(short, long, value_name = "FILM")]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub quality: QualityOptions,
     /// Folder that keeps the samples, to resume after a stop or to change colours (default:
     /// FILM.samples)
     #[arg(hide_short_help = true, long, value_name = "FOLDER")]
@@ -40,19 +42,37 @@ pub(super) struct Options {
     pub film: FilmOptions,
 }
 
+/// Options that say how a film in one file is encoded.
+#[derive(Args, Clone, Copy, Debug)]
+pub(super) struct QualityOptions {
+    /// Quality of an .mp4 or .webp, 1 to 100 (default: 69 and 90)
+    #[arg(hide_short_help = true, long, value_name = "Q", value_parser = clap::value_parser!(u8).range(1..=100))]
+    quality: Option<u8>,
+    /// Colours of an .mp4 at full resolution (4:4:4), which fewer players show
+    #[arg(hide_short_help = true, long)]
+    full_chroma: bool,
+}
+
+impl From<QualityOptions> for FilmQuality {
+    fn from(options: QualityOptions) -> Self {
+        FilmQuality { level: options.quality, full_chroma: options.full_chroma }
+    }
+}
+
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (film, spec) = options.film.film()?;
     let codec = codec_of(&options.output)?;
     if options.print_ffmpeg {
-        return print(codec, &film, &options.output);
+        return print(codec, &film, options);
     }
     keep_from_frames(&options.film.files(), &options.output)?;
     if film.kind() != FilmKind::Flips {
         return frames::run(options, &film, &spec);
     }
     let document = &film.keys[0].scene;
-    farm::check(&FilmRecipe { film: &film, document, output: &options.output })?;
+    let (output, quality) = (options.output.as_path(), options.quality.into());
+    farm::check(&FilmRecipe { film: &film, document, output, quality })?;
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
     prepare(&cache, options)?;
     let path = cache.join("plan.toml");
@@ -70,7 +90,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         Some(parts) => parts,
         None => farm::complete(&task, &path)?,
     };
-    farm::paint(&task, parts, &options.film.picture, &options.output, options.progress)
+    let output = farm::FilmOutput { path: output, quality, mode: options.progress };
+    farm::paint(&task, parts, &options.film.picture, &output)
 }
 
 /// Makes the folder of the samples, and rejects one that cannot be written.
@@ -139,13 +160,15 @@ pub(super) fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
     Ok(codec)
 }
 
-fn print(codec: Option<Codec>, film: &Film, output: &Path) -> anyhow::Result<()> {
+fn print(codec: Option<Codec>, film: &Film, options: &Options) -> anyhow::Result<()> {
     let Some(codec) = codec else {
         let message =
             "--print-ffmpeg is for an .mp4, .mkv, .gif or .webp; a folder needs no ffmpeg";
         return Err(Exit::Usage(message.to_string()).into());
     };
-    let words = arguments(codec, film, output);
+    let (output, quality) = (options.output.as_path(), options.quality.into());
+    let encoding = tried(codec, quality, film, output).map_err(|why| Exit::usage(&why))?;
+    let words = arguments(&encoding, film, output);
     let quoted = words.iter().map(|word| {
         let word = word.to_string_lossy();
         let plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "-_./:=,+".contains(c));

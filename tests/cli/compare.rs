@@ -82,7 +82,7 @@ fn results_are_compared_and_too_much_difference_is_code_3() {
     for (other, words) in [
         (&cut, "bytes, and its header says"),
         (&picture, "like with like"),
-        (&interlaced, "is interlaced"),
+        (&interlaced, "is not a PNG"),
         (&huge, "its shape is not that of a picture of up to a million pixels"),
         (&structured, "is not such an array"),
     ] {

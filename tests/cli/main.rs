@@ -1,6 +1,7 @@
 //! The program on the command line: files, exit codes, and one clear sentence for each mistake.
 
 mod compare;
+mod encoders;
 mod mistakes;
 mod pictures;
 #[path = "../common/program.rs"]
@@ -185,8 +186,8 @@ fn scenes_that_are_none_are_refused_by_name() {
     let cases = [
         ("cut.png", "not a complete PNG"),
         ("text.png", "not a complete PNG"),
-        ("unknown.toml", "line 2, column 1: unknown field 'colour'"),
-        ("ask.toml", "expected one of 'flip', 'first', 'flips', 'state', 'growth', 'return'"),
+        ("unknown.toml", "line 2, column 1: unknown key 'colour'; it must be one of"),
+        ("ask.toml", "it must be one of 'flip', 'first', 'flips', 'state', 'growth', 'return'"),
         ("type.toml", "line 2, column 10"),
         ("future.toml", "format 2"),
     ];

@@ -185,7 +185,9 @@ fn light_and_pyramids_have_corners_and_states_have_one_sample() {
     fs::write(at("many.toml"), "[picture]\nsamples = 9\n").unwrap();
     let wrong = refused(&folder, 2, &["render", "many.toml", "-o", "a.png"]);
     assert!(
-        wrong.contains("many.toml: `samples` is 9; it must be corners or lie between 1 and 8"),
+        wrong.contains(
+            "many.toml: line 2: `samples` is 9; it must be corners or lie between 1 and 8"
+        ),
         "{wrong}"
     );
 }

@@ -1,24 +1,22 @@
-//! Films: the frames they show, the files ffmpeg writes, and the requests that are refused.
+//! Films: the frames they show, and the requests that are refused.
 
-use image::AnimationDecoder;
-use image::codecs::webp::WebPDecoder;
 use std::fs;
 use std::path::Path;
 
 use crate::program::*;
 use tempfile::TempDir;
 
-const CPU: [&str; 4] = ["--engine", "cpu", "--accuracy", "fast"];
+pub(crate) const CPU: [&str; 4] = ["--engine", "cpu", "--accuracy", "fast"];
 
-fn folder() -> TempDir {
+pub(crate) fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
 }
 
-fn video(folder: &TempDir, arguments: &[&str]) -> String {
+pub(crate) fn video(folder: &TempDir, arguments: &[&str]) -> String {
     done(folder, &[&["video"], &CPU[..], arguments].concat())
 }
 
-fn pixels(path: &Path) -> image::RgbImage {
+pub(crate) fn pixels(path: &Path) -> image::RgbImage {
     image::open(path).unwrap().to_rgb8()
 }
 
@@ -28,7 +26,7 @@ fn difference(a: &image::RgbImage, b: &image::RgbImage) -> f64 {
     sum as f64 / a.len() as f64
 }
 
-const KEYS: &str = "[[key]]\nsecs = 0\n[[key]]\nsecs = 2\neasing = \"linear\"\n\
+pub(crate) const KEYS: &str = "[[key]]\nsecs = 0\n[[key]]\nsecs = 2\neasing = \"linear\"\n\
                     [key.scene.view]\ncenter = [\"-1.66\", \"0.1\"]\nwidth = \"0.4\"\n";
 
 #[test]
@@ -215,96 +213,18 @@ fn a_pendulum_may_change_from_frame_to_frame() {
 }
 
 #[test]
-#[cfg_attr(no_ffmpeg, ignore = "FLIPMAP_NO_FFMPEG=1 declares that there is no ffmpeg")]
-fn films_have_the_frames_that_were_asked_for() {
+fn a_zoom_ends_where_the_options_say() {
     let folder = folder();
-    fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
-    let film = ["keys.toml", "--frames", "24", "--fps", "12", "--size", "64x48"];
-    let cache = ["--cache", "samples"];
-    for output in ["f.mp4", "f.mkv", "f.gif", "f.webp", "f"] {
-        video(&folder, &[&film[..], &cache[..], &["-o", output]].concat());
-    }
-    for film in ["f.mp4", "f.mkv"] {
-        let entries = "stream=nb_read_frames,width,height,r_frame_rate";
-        let words = ["-v", "error", "-count_frames", "-show_entries", entries, "-of", "csv", film];
-        let probed = tool(&folder, "ffprobe", &words);
-        assert_eq!(String::from_utf8_lossy(&probed).trim(), "stream,64,48,12/1,24", "{film}");
-    }
-    let count = "-v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 f.gif";
-    let counted = tool(&folder, "ffprobe", &count.split(' ').collect::<Vec<_>>());
-    assert_eq!(String::from_utf8_lossy(&counted).trim(), "24");
-    let file = std::io::BufReader::new(fs::File::open(folder.path().join("f.webp")).unwrap());
-    let frames = WebPDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
-    let [width, height] = [frames[0].buffer().width(), frames[0].buffer().height()];
-    assert_eq!((frames.len(), width, height), (24, 64, 48));
-    // A frame of the lossless film is identical to the picture.
-    let decode = "-v error -i f.mkv -f rawvideo -pix_fmt rgb24 -";
-    let raw = tool(&folder, "ffmpeg", &decode.split(' ').collect::<Vec<_>>());
-    let bytes = 64 * 48 * 3;
-    assert_eq!(raw.len(), 24 * bytes);
-    for frame in [0, 11, 23] {
-        let picture = pixels(&folder.path().join(format!("f/{frame:06}.png")));
-        assert!(raw[frame * bytes..(frame + 1) * bytes] == picture.as_raw()[..], "frame {frame}");
-    }
-    // Equal frames give equal files.
-    for name in ["mp4", "mkv", "gif", "webp"] {
-        video(&folder, &[&film[..], &cache[..], &["-o", &format!("g.{name}")]].concat());
-        let [f, g] = ["f", "g"].map(|film| fs::read(folder.path().join(format!("{film}.{name}"))));
-        assert!(f.unwrap() == g.unwrap(), "{name}");
-    }
-}
-
-fn tool(folder: &TempDir, name: &str, words: &[&str]) -> Vec<u8> {
-    let output = std::process::Command::new(name).args(words).current_dir(folder).output().unwrap();
-    assert!(output.status.success(), "{}", error_of(&output));
-    output.stdout
-}
-
-/// Installs a fake ffmpeg that runs a script; returns the folder for `PATH`.
-#[cfg(unix)]
-fn fake(folder: &TempDir, script: &str) -> String {
-    use std::os::unix::fs::PermissionsExt;
-    let path = folder.path().join("bin");
-    fs::create_dir_all(&path).unwrap();
-    let ffmpeg = path.join("ffmpeg");
-    fs::write(&ffmpeg, format!("#!/bin/sh\n{script}\n")).unwrap();
-    fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).unwrap();
-    path.display().to_string()
-}
-
-#[cfg(unix)]
-#[test]
-fn an_ffmpeg_that_is_missing_lacks_a_codec_or_fails_is_told_apart() {
-    let folder = folder();
-    fs::write(folder.path().join("keys.toml"), KEYS).unwrap();
-    let film = ["keys.toml", "--frames", "3", "--size", "32x24", "-o", "f.mp4"];
-    let with_path = |path: &str| {
-        let mut command = program(&folder, &[&["video"], &CPU[..], &film[..]].concat());
-        let output = command.env("PATH", path).output().unwrap();
-        (output.status.code(), error_of(&output))
+    let zoom = ["--zoom-to", "home", "--center=1,1", "--width", "0.5", "--size", "24x24"];
+    video(&folder, &[&zoom[..], &["--frames", "3", "-o", "f"]].concat());
+    let line = |frame: u32| {
+        let json = fs::read_to_string(folder.path().join(format!("f/00000{frame}.json"))).unwrap();
+        let object: serde_json::Value = serde_json::from_str(&json).unwrap();
+        object["location"].as_str().unwrap().to_string()
     };
-    let (code, error) = with_path("/nowhere");
-    assert!(code == Some(2) && error.contains("apt-get install ffmpeg"), "{error}");
-    let (code, error) = with_path(&fake(&folder, "echo ' V..... ffv1  FFmpeg video codec #1'"));
-    assert!(code == Some(2) && error.contains("no encoder libx264"), "{error}");
-    let fails = "case \"$2\" in -encoders) echo libx264;; *) /bin/echo one >&2; /bin/echo 'disk \
-                 quota exceeded' >&2; exit 1;; esac";
-    let (code, error) = with_path(&fake(&folder, fails));
-    assert_eq!(code, Some(1), "{error}");
-    assert!(error.contains("ffmpeg failed: one; disk quota exceeded"), "{error}");
-    // On a full disk ffmpeg prints an error but still exits with success.
-    let lies =
-        "case \"$2\" in -encoders) echo libx264;; *) cat >/dev/null; echo 'no space' >&2;; esac";
-    let (code, error) = with_path(&format!("{}:/usr/bin:/bin", fake(&folder, lies)));
-    assert!(code == Some(1) && error.contains("ffmpeg failed: no space"), "{error}");
-    assert!(!folder.path().join("f.mp4").exists());
-    let left: Vec<String> = fs::read_dir(&folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
-        .filter(|name| name.starts_with(".flipmap"))
-        .collect();
-    assert!(left.is_empty(), "{left:?}");
-    assert!(folder.path().join("f.mp4.samples/plan.toml").exists(), "samples are kept");
+    for (frame, view) in [(0, "width=6.28"), (2, "center=1,1;width=0.5;")] {
+        assert!(line(frame).contains(view), "{}", line(frame));
+    }
 }
 
 #[test]
@@ -347,10 +267,12 @@ fn what_is_no_film_is_refused_by_name() {
             "it keeps no samples, only its frames: omit --cache",
         ),
         (&["--zoom-to", "deep", "-o", "f.avi"], "a film is an .mp4, an .mkv"),
-        (&["--zoom-to", "deep", "--size", "33x24", "-o", "f.mp4"], "such as 34x24"),
+        (&["--zoom-to", "deep", "--quality", "50", "-o", "f.gif"], "--quality is 50; only an .mp4"),
+        (&["home", "deep", "--width", "1", "-o", "f"], "would give all keys the same view"),
+        (&["--zoom-to", "deep", "--fps", "30/0", "-o", "f"], "--fps is '30/0'; it must lie"),
         (
-            &["--zoom-to", "deep", "--frames", "1", "-o", "f"],
-            "--frames is '1'; it must lie between",
+            &["--zoom-to", "deep", "--frames", "0", "-o", "f"],
+            "--frames is '0'; it must lie between",
         ),
         (&["--zoom-to", "deep", "--fps", "fast", "-o", "f"], "--fps is 'fast'; it must lie"),
         (&["--vary", "colour=1..2", "-o", "f"], "--vary is 'colour=1..2'; it must be time"),
@@ -377,13 +299,4 @@ fn what_is_no_film_is_refused_by_name() {
         assert!(error.contains(expected), "{words:?}: {error}");
     }
     assert!(!folder.path().join("f").exists());
-}
-
-#[test]
-fn the_call_of_ffmpeg_can_be_seen() {
-    let folder = folder();
-    let words = ["--zoom-to", "deep", "--size", "64x48", "--fps", "25", "--print-ffmpeg"];
-    let shown = video(&folder, &[&words[..], &["-o", "it's.mkv"]].concat());
-    assert!(shown.starts_with("ffmpeg -hide_banner") && shown.contains("-video_size 64x48"));
-    assert!(shown.contains("-c:v ffv1") && shown.trim_end().ends_with("'it'\\''s.mkv'"), "{shown}");
 }

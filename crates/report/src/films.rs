@@ -19,6 +19,7 @@ use flipmap_numbers::Scalar;
 pub(crate) use flipmap_render::farm::{
     PartError, Parts, Plan, PlanError, PlannedOutput, RunError, Task, run,
 };
+use flipmap_render::film::ffmpeg::FilmQuality;
 use flipmap_render::film::{FilmRecipe, FilmRenderError};
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key};
@@ -213,7 +214,7 @@ impl Bench<'_> {
         let begun = Instant::now();
         let mut parts = Parts::scan(&task.folder, task.forms())?;
         let (document, output) = (&film.keys[0].scene, &folder.path().join("film.mp4"));
-        let recipe = FilmRecipe { film: &film, document, output };
+        let recipe = FilmRecipe { film: &film, document, output, quality: FilmQuality::default() };
         recipe.merge(&task, &mut parts, &|_, _| !(self.stop)())?;
         Ok(PaintingRow { film_samples, frames: film.frames, secs: begun.elapsed().as_secs_f64() })
     }

@@ -106,7 +106,7 @@ impl Film {
             let error = || SceneError::new(setting, value.to_string(), allowed);
             if range.contains(&value) { Ok(()) } else { Err(error()) }
         };
-        within("frames", f64::from(self.frames), 2.0..=f64::from(Self::MAX_FRAMES))?;
+        within("frames", f64::from(self.frames), 1.0..=f64::from(Self::MAX_FRAMES))?;
         within("fps", self.fps, Self::FPS)?;
         let [first, _, ..] = &self.keys[..] else { return Err(FilmError::Few(self.keys.len())) };
         let (size, samples) = (self.size, first.scene.picture.samples.along());
@@ -391,9 +391,11 @@ mod tests {
         let clock = Key { clock: Some(1.0), ..key(1.0, |_| ()) };
         let error = refused(vec![key(0.0, |_| ()), clock]);
         assert!(error.contains("key 2 has a clock and the first lacks"), "{error}");
-        let few = Film { frames: 1, ..zoom("1") };
+        let few = Film { frames: 0, ..zoom("1") };
         assert!(
-            few.check().unwrap_err().to_string().contains("`frames` is 1; it must lie between 2")
+            few.check().unwrap_err().to_string().contains("`frames` is 0; it must lie between 1")
         );
+        let one = Film { frames: 1, ..zoom("1") };
+        assert!(one.check().is_ok() && one.shot(0) == zoom("1").shot(0));
     }
 }

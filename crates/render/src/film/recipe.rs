@@ -4,7 +4,7 @@
 use std::io;
 use std::path::Path;
 
-use super::ffmpeg::{Codec, FfmpegError};
+use super::ffmpeg::{Codec, Encoding, FfmpegError, FilmQuality, tried};
 use super::sink::FilmSink;
 use super::{FrameError, legend};
 use crate::Watch;
@@ -53,16 +53,23 @@ pub struct FilmRecipe<'a> {
     pub document: &'a Document,
     /// File or folder to write.
     pub output: &'a Path,
+    /// Quality of a lossy film.
+    pub quality: FilmQuality,
 }
 
 impl FilmRecipe<'_> {
     /// Refuses a film that could not be painted or written, before an engine is started.
     pub fn check(&self) -> Result<(), FilmRenderError> {
-        if let Some(codec) = Codec::of(self.output) {
-            codec.check(self.film.size)?;
-        }
         legend(self.film, &self.document.picture)?;
-        Ok(FilmSink::check(self.output)?)
+        FilmSink::check(self.output)?;
+        self.encoding().map(drop)
+    }
+
+    /// Returns how the film is encoded, after a trial on one frame; none for a folder.
+    pub fn encoding(&self) -> Result<Option<Encoding>, FilmRenderError> {
+        let codec = Codec::of(self.output);
+        let tried = codec.map(|codec| tried(codec, self.quality, self.film, self.output));
+        Ok(tried.transpose()?)
     }
 
     /// Computes and writes the film frame by frame, and skips frames that are there already. If
@@ -107,7 +114,7 @@ impl FilmRecipe<'_> {
     /// Writes the frames that are not there yet, each with the pixels that `paint` returns.
     fn write(&self, watch: &dyn Watch, paint: &mut FramePixels) -> Result<(), FilmRenderError> {
         let film = self.film;
-        let mut sink = FilmSink::open(self.output, film, self.document)?;
+        let mut sink = FilmSink::open(self.output, film, self.document, self.encoding()?)?;
         for frame in 0..film.frames {
             let shot = film.shot(frame);
             if sink.has(frame, &shot) {

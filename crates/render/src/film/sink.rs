@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use super::ffmpeg::{Codec, Encoder};
+use super::ffmpeg::{Codec, Encoder, Encoding};
 use super::{FilmRenderError, Frames};
 use crate::output::{Destination, OutputError, SafeFile};
 use flipmap_scene::Document;
@@ -28,15 +28,15 @@ impl FilmSink {
         checked.map_err(|source: io::Error| OutputError::Create { setting: "output", name, source })
     }
 
-    /// Opens a destination by its name: a file with a known extension, or else a folder. The
-    /// document says how the film is painted.
+    /// Opens a file with an encoding, or else a folder. The document says how the film is painted.
     pub(super) fn open(
         path: &Path,
         film: &Film,
         document: &Document,
+        encoding: Option<Encoding>,
     ) -> Result<Self, FilmRenderError> {
-        Ok(match Codec::of(path) {
-            Some(codec) => FilmSink::Encoder(Encoder::start(codec, film, path)?),
+        Ok(match encoding {
+            Some(encoding) => FilmSink::Encoder(Encoder::start(&encoding, film, path)?),
             None => FilmSink::Frames(Box::new(Frames::open(path, film, document)?)),
         })
     }

@@ -7,7 +7,8 @@ use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 pub use super::comparison::Comparison;
-use super::npy::npy_shape;
+use super::npy::{NpyNumbers, npy_shape};
+use super::picture_rows::PictureRows;
 use super::whole_png::check_whole_png;
 use flipmap_engine::plain_file::open_plain;
 use flipmap_scene::question::{Channel, ChannelScale, QuestionName};
@@ -20,15 +21,19 @@ pub struct ResultRows {
 }
 
 enum ResultKind {
-    /// The file, and the number of channels of each pixel.
-    Times(BufReader<File>, usize),
-    Colours(Box<png::Reader<BufReader<File>>>),
+    /// The file, the number of channels of each pixel, and the kind of their numbers.
+    Times(BufReader<File>, usize, NpyNumbers),
+    Colours(Box<PictureRows<BufReader<File>>>),
 }
+
+/// Number of levels of sixteen bits in one of eight.
+const DEEP_LEVELS: f64 = 257.0;
 
 /// A row of a result.
 enum ResultRow {
     Times(Vec<f64>),
-    Colours(Vec<u8>),
+    /// Four channels of sixteen bits for each pixel.
+    Colours(Vec<u16>),
 }
 
 /// The difference between two pixels.
@@ -57,7 +62,7 @@ pub enum CompareError {
     Picture(#[source] io::Error),
     /// A file that is not a result.
     #[error(
-        "{path} {why}; compare takes .npy arrays of raw samples that render wrote, and RGB PNGs"
+        "{path} {why}; compare takes PNGs, and .npy arrays of raw samples as render writes them"
     )]
     Kind {
         /// Path of the file.
@@ -132,34 +137,24 @@ impl ResultRows {
         let file = BufReader::new(open_plain(path).map_err(unreadable)?);
         let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
         let (size, kind) = if is_png {
-            let mut decoder = png::Decoder::new(file);
-            // Levels are counted out of 255.
-            decoder.set_transformations(png::Transformations::STRIP_16);
-            let reader = decoder.read_info();
-            let reader = reader.map_err(|error| foreign(format!("is not a PNG: {error}")))?;
-            if reader.output_color_type() != (png::ColorType::Rgb, png::BitDepth::Eight) {
-                return Err(foreign("has other colours than 8-bit RGB".to_string()));
-            }
-            let info = reader.info();
-            if info.interlaced {
-                return Err(foreign("is interlaced, which no output of flipmap is".to_string()));
-            }
             let whole = open_plain(path).and_then(|file| check_whole_png(BufReader::new(file)));
+            let rows = PictureRows::open(file).map_err(foreign)?;
             whole.map_err(unreadable)?;
-            ([info.width, info.height], ResultKind::Colours(Box::new(reader)))
+            (rows.size(), ResultKind::Colours(Box::new(rows)))
         } else {
             let mut file = file;
-            let (size, channels) = npy_shape(&mut file)
+            let (size, channels, numbers) = npy_shape(&mut file)
                 .map_err(|why| foreign(format!("is not such an array: {why}")))?;
             // At most 64 channels of a million times a million pixels.
             let values = size.map(u64::from).iter().product::<u64>() * channels as u64;
-            let needed = 8 * values + file.stream_position().map_err(unreadable)?;
+            let needed =
+                numbers.bytes as u64 * values + file.stream_position().map_err(unreadable)?;
             let found = file.get_ref().metadata().map_err(unreadable)?;
             if found.len() != needed {
                 let why = format!("has {} bytes, and its header says {needed}", found.len());
                 return Err(foreign(why));
             }
-            (size, ResultKind::Times(file, channels))
+            (size, ResultKind::Times(file, channels, numbers))
         };
         Ok(ResultRows { path: path.to_path_buf(), size, kind })
     }
@@ -172,7 +167,7 @@ impl ResultRows {
     /// Refuses an array that does not have as many channels as a question.
     pub fn require(&self, ask: QuestionName) -> Result<(), CompareError> {
         match self.kind {
-            ResultKind::Times(_, found) if found != ask.kind().channels.len() => {
+            ResultKind::Times(_, found, _) if found != ask.kind().channels.len() => {
                 Err(CompareError::Ask { path: self.path.clone(), ask, found })
             }
             _ => Ok(()),
@@ -187,26 +182,19 @@ impl ResultRows {
     /// Returns the number of values of each pixel.
     fn channels(&self) -> usize {
         match self.kind {
-            ResultKind::Times(_, channels) => channels,
-            ResultKind::Colours(_) => 3,
+            ResultKind::Times(_, channels, _) => channels,
+            ResultKind::Colours(_) => 4,
         }
     }
 
     fn next(&mut self) -> Result<ResultRow, CompareError> {
         let width = self.size[0] as usize;
         let row = match &mut self.kind {
-            ResultKind::Times(file, channels) => {
-                let mut bytes = vec![0; 8 * width * *channels];
-                file.read_exact(&mut bytes).map(|()| {
-                    let numbers = bytes.as_chunks::<8>().0.iter();
-                    ResultRow::Times(numbers.map(|bytes| f64::from_le_bytes(*bytes)).collect())
-                })
+            ResultKind::Times(file, channels, numbers) => {
+                let mut bytes = vec![0; numbers.bytes * width * *channels];
+                file.read_exact(&mut bytes).map(|()| ResultRow::Times(numbers.read(&bytes)))
             }
-            ResultKind::Colours(reader) => match reader.next_row() {
-                Ok(Some(row)) => Ok(ResultRow::Colours(row.data().to_vec())),
-                Ok(None) => Err(io::ErrorKind::UnexpectedEof.into()),
-                Err(error) => Err(io::Error::other(error)),
-            },
+            ResultKind::Colours(rows) => rows.next().map(ResultRow::Colours),
         };
         row.map_err(|source| {
             let source = match source.kind() {
@@ -315,9 +303,9 @@ impl Difference {
     }
 
     /// Returns the difference between two colours.
-    fn of_colours(a: &[u8], b: &[u8]) -> Self {
+    fn of_colours(a: &[u16], b: &[u16]) -> Self {
         let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
-        Difference::By(f64::from(most))
+        Difference::By(f64::from(most) / DEEP_LEVELS)
     }
 }
 
@@ -348,7 +336,7 @@ pub fn compare(
                 pixels.map(|(a, b)| yardstick.between(a, b)).collect()
             }
             (ResultRow::Colours(a), ResultRow::Colours(b)) => {
-                a.chunks(3).zip(b.chunks(3)).map(|(a, b)| Difference::of_colours(a, b)).collect()
+                a.chunks(4).zip(b.chunks(4)).map(|(a, b)| Difference::of_colours(a, b)).collect()
             }
             _ => return Err(CompareError::Unlike { a: a.path, b: b.path }),
         };
@@ -375,6 +363,17 @@ mod tests {
         ] {
             assert_eq!(Difference::of_times(a, b), expected, "{a} and {b}");
         }
+    }
+
+    #[test]
+    fn colours_of_sixteen_bits_are_compared_to_their_last_level() {
+        let by = |a: [u16; 4], b: [u16; 4]| match Difference::of_colours(&a, &b) {
+            Difference::By(by) => by,
+            Difference::Class => panic!("colours have no classes"),
+        };
+        assert_eq!(by([0, 0, 0, 65_535], [0, 50, 0, 65_535]), 50.0 / 257.0);
+        assert_eq!(by([65_535; 4], [65_535, 65_535, 65_535, 0]), 255.0, "alpha counts");
+        assert_eq!(by([7; 4], [7; 4]), 0.0);
     }
 
     #[test]

@@ -22,6 +22,7 @@ mod one_file;
 mod paint;
 mod paths;
 mod picture_file;
+mod picture_rows;
 mod pixel_stream;
 mod png;
 mod pyramid;

@@ -51,10 +51,51 @@ impl<W: Write> NpyWriter<W> {
 /// Largest number of channels of an array.
 const MAX_CHANNELS: u32 = 64;
 
-/// Reads width, height and number of channels of an array of f64 from its header; the error is a
-/// phrase. Only the keys and values that NumPy writes for such arrays are accepted: others change
-/// what the numbers mean.
-pub(super) fn npy_shape(file: &mut impl Read) -> Result<([u32; 2], usize), &'static str> {
+/// The numbers of an array: f64 or f32, in either order of their bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct NpyNumbers {
+    /// Number of bytes of each: 8 or 4.
+    pub bytes: usize,
+    /// True if the highest byte comes first.
+    is_big_endian: bool,
+}
+
+impl NpyNumbers {
+    fn of(descr: &str) -> Option<Self> {
+        let (is_big_endian, bytes) = match descr.trim_matches(['\'', '"']) {
+            "<f8" => (false, 8),
+            ">f8" => (true, 8),
+            "<f4" => (false, 4),
+            ">f4" => (true, 4),
+            _ => return None,
+        };
+        let quoted = descr.len() == 5 && descr.starts_with(['\'', '"']);
+        quoted.then_some(NpyNumbers { bytes, is_big_endian })
+    }
+
+    /// Returns the numbers in some bytes.
+    pub(super) fn read(self, bytes: &[u8]) -> Vec<f64> {
+        let number = |bytes: &[u8]| {
+            let mut bytes = bytes.to_vec();
+            if self.is_big_endian {
+                bytes.reverse();
+            }
+            match bytes[..] {
+                [a, b, c, d] => f64::from(f32::from_le_bytes([a, b, c, d])),
+                [a, b, c, d, e, f, g, h] => f64::from_le_bytes([a, b, c, d, e, f, g, h]),
+                _ => f64::NAN,
+            }
+        };
+        bytes.chunks_exact(self.bytes).map(number).collect()
+    }
+}
+
+/// Reads width, height, number of channels and kind of numbers of an array from its header; the
+/// error is a phrase. Only the keys and values that NumPy writes for such arrays are accepted: others
+/// change what the numbers mean.
+pub(super) fn npy_shape(
+    file: &mut impl Read,
+) -> Result<([u32; 2], usize, NpyNumbers), &'static str> {
     let cut = |_| "it ends within its header";
     let mut head = [0; 10];
     file.read_exact(&mut head).map_err(cut)?;
@@ -70,16 +111,14 @@ pub(super) fn npy_shape(file: &mut impl Read) -> Result<([u32; 2], usize), &'sta
         return Err("its header has other keys than 'descr', 'fortran_order' and 'shape'");
     }
     let [descr, order, shape] = known.map(|key| header[key]);
-    if !["'<f8'", "\"<f8\""].contains(&descr) {
-        return Err("its numbers are not little-endian f64 ('<f8')");
-    }
+    let numbers = NpyNumbers::of(descr).ok_or("its numbers are not f64 or f32 ('<f8' or '<f4')")?;
     if order != "False" {
         return Err("its rows do not follow one another ('fortran_order')");
     }
     match axes(shape).as_deref() {
-        Some([height, width]) => Ok(([*width, *height], 1)),
+        Some([height, width]) => Ok(([*width, *height], 1, numbers)),
         Some([height, width, channels @ 1..=MAX_CHANNELS]) => {
-            Ok(([*width, *height], *channels as usize))
+            Ok(([*width, *height], *channels as usize, numbers))
         }
         _ => Err("its shape is not that of a picture of up to a million pixels along each side"),
     }
@@ -151,12 +190,19 @@ mod tests {
         let plain = |descr: &str, shape: &str| {
             read(&format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}  \n"))
         };
-        assert_eq!(plain("'<f8'", "(5, 7)"), Ok(([7, 5], 1)));
-        assert_eq!(plain("\"<f8\"", "(5, 7, 2,)"), Ok(([7, 5], 2)));
+        let f64s = NpyNumbers { bytes: 8, is_big_endian: false };
+        assert_eq!(plain("'<f8'", "(5, 7)"), Ok(([7, 5], 1, f64s)));
+        assert_eq!(plain("\"<f8\"", "(5, 7, 2,)"), Ok(([7, 5], 2, f64s)));
+        for (descr, bytes) in
+            [("'<f4'", [0, 0, 192, 63].to_vec()), ("'>f8'", [63, 248, 0, 0, 0, 0, 0, 0].to_vec())]
+        {
+            let (_, _, numbers) = plain(descr, "(5, 7)").unwrap();
+            assert_eq!(numbers.read(&bytes), [1.5], "{descr}");
+        }
         let spaced = "{ \"shape\":(1,1) ,'descr':'<f8','fortran_order':False}";
-        assert_eq!(read(spaced), Ok(([1, 1], 1)));
+        assert_eq!(read(spaced), Ok(([1, 1], 1, f64s)));
         let structured = "[(\"'descr': '<f8'\", '<i8')]";
-        for descr in ["'<f4'", "'>f8'", "'<i8'", structured, "'<f8", "<f8", "('<f8', (2,))"] {
+        for descr in ["'<f2'", "'|f8'", "'<i8'", structured, "'<f8", "<f8", "('<f8', (2,))"] {
             assert!(plain(descr, "(5, 7)").is_err(), "{descr}");
         }
         let many = "(2147483648, 2147483648, 4)";

@@ -1,0 +1,99 @@
+//! The trial of an encoder on one frame: an ffmpeg may list encoders that cannot write, write
+//! nothing, or never end.
+
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::{Codec, Encoding, FfmpegError, FilmQuality, arguments};
+use crate::output::{Destination, SafeFile};
+use flipmap_scene::film::Film;
+
+/// Time within which ffmpeg must have encoded a frame.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// Number of the last characters of ffmpeg's messages that are told.
+const TOLD: usize = 300;
+
+/// Returns the first encoder of a codec that writes a frame of the film to a file beside `to`.
+pub fn tried(
+    codec: Codec,
+    quality: FilmQuality,
+    film: &Film,
+    to: &Path,
+) -> Result<Encoding, FfmpegError> {
+    codec.check(film.size, quality)?;
+    let listed = Command::new("ffmpeg")
+        .args(["-hide_banner", "-encoders"])
+        .stdin(Stdio::null())
+        .output()
+        .map_err(FfmpegError::Missing)?;
+    let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
+    let is_listed = |encoder: &str| listed.split_whitespace().any(|word| word == encoder);
+    let mut failure = None;
+    for encoder in codec.encoders().iter().copied().filter(|encoder| is_listed(encoder)) {
+        let encoding = Encoding { codec, encoder, quality };
+        match encode_one(&encoding, film, to) {
+            Ok(()) => return Ok(encoding),
+            Err(FfmpegError::Trial(why)) => failure = failure.or(Some(why)),
+            Err(error) => return Err(error),
+        }
+    }
+    Err(match failure {
+        Some(why) => FfmpegError::Trial(why),
+        None => FfmpegError::Codec(codec.encoders().join(" or "), codec.instead()),
+    })
+}
+
+/// Encodes a black frame to a file that is removed again.
+fn encode_one(encoding: &Encoding, film: &Film, to: &Path) -> Result<(), FfmpegError> {
+    let unwritable = |source| FfmpegError::File { path: to.to_path_buf(), source };
+    let file = SafeFile::create(&Destination::from(to)).map_err(unwritable)?;
+    // A pipe or a device has been refused before.
+    let Some(beside) = file.beside() else { return Ok(()) };
+    let mut child = Command::new("ffmpeg")
+        .args(arguments(encoding, film, beside))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(FfmpegError::Missing)?;
+    let bytes = film.size.map(|side| side as usize).iter().product::<usize>() * 3;
+    let stdin = child.stdin.take();
+    // It may stop reading; its messages and the file then say why.
+    let feeding = std::thread::spawn(move || stdin.map(|mut to| to.write_all(&vec![0; bytes])));
+    let stderr = child.stderr.take();
+    let listening = std::thread::spawn(move || {
+        let mut said = String::new();
+        stderr.map(|mut from| from.read_to_string(&mut said));
+        said
+    });
+    let begun = Instant::now();
+    let status = loop {
+        match child.try_wait() {
+            Ok(Some(status)) => break status,
+            Ok(None) if begun.elapsed() < PATIENCE => std::thread::sleep(Duration::from_millis(5)),
+            _ => {
+                // It may have ended a moment ago.
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(FfmpegError::Trial(format!(
+                    "it did not end within {} s",
+                    PATIENCE.as_secs()
+                )));
+            }
+        }
+    };
+    drop(feeding.join());
+    let said = listening.join().unwrap_or_default();
+    let size = beside.metadata().map_or(0, |found| found.len());
+    if status.success() && said.trim().is_empty() && size > 0 {
+        return Ok(());
+    }
+    let lines: Vec<&str> = said.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    Err(FfmpegError::Trial(match lines[..] {
+        [] if status.success() => "it wrote nothing".to_string(),
+        [] => format!("it ended early ({status})"),
+        _ => lines.join("; ").chars().take(TOLD).collect(),
+    }))
+}
