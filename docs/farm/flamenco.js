@@ -1,5 +1,9 @@
-// A plan as a Flamenco job: a task for each shard, and one that merges. Copy this file to the folder
-// `scripts` next to the Manager, and restart it. Workers must share the plan's folder.
+// A plan as a Flamenco 3 job: a task for each shard, and one that merges. Copy this file as
+// scripts/flipmap.js next to the Manager, and restart it. Workers must share the plan's folder. Then:
+//
+//   curl http://MANAGER:8080/api/v3/jobs --json '{"name": "flipmap", "type": "flipmap",
+//     "priority": 50, "submitter_platform": "linux",
+//     "settings": {"plan": "/farm/plan.toml", "shards": 64, "out": "/farm/out.png"}}'
 
 const JOB_TYPE = {
     label: "flipmap",
@@ -19,14 +23,14 @@ function compileJob(job) {
 
     function addTask(name, args) {
         const task = author.Task(name, "misc");
-        task.addCommand(author.Command("exec", { exe: settings.flipmap, args: args }));
+        task.addCommand(author.Command("exec", { exe: settings.flipmap || "flipmap", args: args }));
         job.addTask(task);
         return task;
     }
 
     const shards = [];
     for (let shard = 1; shard <= settings.shards; shard++) {
-        // A line a second also tells the Manager that a long task is alive.
+        // A line a second keeps a long task from timing out.
         shards.push(addTask(`shard-${shard}`,
             ["run", settings.plan, "--shard", `${shard}`, "--progress", "json"]));
     }

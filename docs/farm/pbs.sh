@@ -21,6 +21,6 @@ plan="${PLAN:?usage: qsub -J SHARDS -v PLAN=/path/to/PLAN.toml pbs.sh}"
 shard="${PBS_ARRAY_INDEX:?submit me with -J SHARDS}"
 export RAYON_NUM_THREADS="${NCPUS:-1}"
 
-# At the time limit, PBS sends SIGTERM to all processes of the subjob and kills them ten seconds
-# later. flipmap then exits with 75, its progress saved; PBS has no exit code for *run me again*.
+# At the time limit, PBS sends SIGTERM to all processes of the subjob and kills them some seconds later
+# (the queue's kill_delay). flipmap exits with 75, its progress saved; PBS has no exit code for *again*.
 exec "${FLIPMAP:-flipmap}" run "$plan" --shard "$shard"

@@ -93,15 +93,17 @@ fn stopped(error: RunError) -> anyhow::Error {
 pub(super) fn complete(task: &Task, plan: &Path) -> anyhow::Result<Parts> {
     let parts = scan(task)?;
     let missing = task.missing_shards(&parts);
-    if missing.is_empty() { Ok(parts) } else { Err(lacks(&missing, task, plan).into()) }
+    if missing.is_empty() { Ok(parts) } else { Err(lacks(&missing, task, plan, 1).into()) }
 }
 
-/// Failure that lists the incomplete shards.
-pub(super) fn lacks(missing: &[u32], task: &Task, plan: &Path) -> Exit {
-    let some: Vec<String> = missing.iter().take(8).map(ToString::to_string).collect();
+/// Failure that lists the incomplete shards; the first shard has the number `from`.
+pub(super) fn lacks(missing: &[u32], task: &Task, plan: &Path, from: u32) -> Exit {
+    let number = |shard: &u32| (shard - 1 + from).to_string();
+    let some: Vec<String> = missing.iter().take(8).map(number).collect();
+    let counted = if from == 1 { "" } else { " --from 0" };
     let more = if missing.len() > some.len() { ", …" } else { "" };
     Exit::Missing(format!(
-        "{} of {} shards are not complete ({}{more}): complete each with flipmap run {} --shard N",
+        "{} of {} shards are not complete ({}{more}): complete each with flipmap run {} --shard N{counted}",
         missing.len(),
         task.plan.shards,
         some.join(", "),

@@ -24,8 +24,9 @@ pub(super) struct OutputOptions {
     /// Folder for the picture as tiles, with a page that shows them
     #[arg(hide_short_help = true, long, value_name = "FOLDER")]
     pyramid: Option<PathBuf>,
-    /// NumPy array of flip times to write (- for standard output)
-    #[arg(long, value_name = "FILE.npy")]
+    /// Flip times to write: a NumPy array (.npy, - for standard output), arrays with coordinates,
+    /// status and trust (.npz), or a table of a small map (.csv)
+    #[arg(long, value_name = "FILE.npy|.npz|.csv")]
     raw: Option<PathBuf>,
     /// OpenEXR image of flip times, statuses and doubts to write
     #[arg(hide_short_help = true, long, value_name = "FILE.exr")]

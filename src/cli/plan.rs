@@ -83,8 +83,8 @@ impl Counted {
             _ => {
                 let last = count - 1 + self.from;
                 Err(Exit::Usage(format!(
-                    "--shard is '{text}'; it must be a number from {} to {last}, or a range of two \
-                     such numbers, as in 2-5",
+                    "--shard is '{text}'; it must be a number from {0} to {last}, or a range of two \
+                     such numbers, as in {0}-{last}",
                     self.from
                 )))
             }
@@ -144,7 +144,8 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
     let task = Task::new(plan, &options.output)?;
     super::tell(&format!(
-        "flipmap: {} samples in {} shards; to compute: flipmap run {} --shard N, N from 1 to {}",
+        "flipmap: {} samples in {} shards; to compute: flipmap run {} --shard N, N from 1 to {}, or \
+         from 0 with --from 0",
         task.samples(),
         options.shards,
         shell_word(&options.output),
@@ -214,7 +215,7 @@ pub(super) fn verify(options: &VerifyOptions) -> anyhow::Result<()> {
     if missing.is_empty() {
         Ok(())
     } else {
-        Err(farm::lacks(&missing, &task, &options.plan).into())
+        Err(farm::lacks(&missing, &task, &options.plan, options.counted.from).into())
     }
 }
 

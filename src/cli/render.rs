@@ -9,13 +9,14 @@ use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::trust::{AccuracyEstimate, Opinion};
 use flipmap_engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
-use flipmap_render::output::{PictureRecipe, RenderError, RenderedPicture};
+use flipmap_render::output::{Paths, PictureRecipe, RenderError, RenderedPicture};
 use flipmap_render::tiles::{self, Counts, Renderer, SavedPixels};
-use flipmap_scene::{Document, Grid, Sampling, Scene};
+use flipmap_scene::{Document, Grid, PixelAxes, Sampling, Scene, location};
 
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
 use super::exit::Exit;
+use super::option_names::by_option;
 use super::options::SceneOptions;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
@@ -95,7 +96,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let (engine, verified) = (renderer.engine(), spec.verify);
     let ran = RunSummary { engine, config, verified, outlook, opinion, counts, seconds };
     if options.json {
-        super::say(&serde_json::to_string_pretty(&object(&ran, &scene))?)?;
+        let made = made(&document, spec.size(), &paths);
+        super::say(&serde_json::to_string_pretty(&object(&ran, &scene, made))?)?;
     }
     tell(&ran, &scene);
     Ok(())
@@ -241,8 +243,30 @@ fn check_picture(document: &Document, size: [u32; 2]) -> Result<(), Exit> {
     picture.check().and_then(|()| picture.check_size(size)).map_err(|why| Exit::usage(&why))
 }
 
+/// The JSON object of what was made: the scene, where its pixels lie, and the files.
+fn made(document: &Document, size: [u32; 2], paths: &Paths) -> serde_json::Value {
+    let axes = PixelAxes::new(&document.scene(), size);
+    let files = by_option(paths).into_iter().map(|(option, path)| {
+        (option.to_string(), serde_json::Value::from(path.to_string_lossy()))
+    });
+    serde_json::json!({
+        "scene": document.text(),
+        "location": location::text(&document.scene()),
+        "size": size,
+        "axes": axes.axes.map(|axis| serde_json::json!({
+            "name": axis.name(),
+            "unit": axis.unit(),
+        })),
+        "center": axes.center,
+        "first_pixel": axes.coordinates(0, 0),
+        "per_column": axes.right,
+        "per_row": axes.down(),
+        "files": files.collect::<serde_json::Map<_, _>>(),
+    })
+}
+
 /// The JSON object of a run.
-fn object(ran: &RunSummary, scene: &Scene) -> serde_json::Value {
+fn object(ran: &RunSummary, scene: &Scene, made: serde_json::Value) -> serde_json::Value {
     let RunSummary { engine, config, counts, seconds, .. } = ran;
     let estimated = ran.outlook.map(|outlook| outlook.opinion).filter(|opinion| opinion.asked > 0);
     let trust: serde_json::Map<String, serde_json::Value> = Trust::ALL
@@ -250,6 +274,8 @@ fn object(ran: &RunSummary, scene: &Scene) -> serde_json::Value {
         .map(|(word, trust)| (word.to_string(), counts.trusts[*trust as usize].into()))
         .collect();
     serde_json::json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "made": made,
         "engine": engine.kind(),
         "adapter": engine.adapter(),
         "method": config.method.name(),

@@ -66,6 +66,13 @@ fn a_map_and_its_times_are_written() {
     let times = numbers(&folder.path().join("map.npy"));
     assert_eq!(times.len(), 32 * 24);
     let count = |fits: fn(&f64) -> bool| times.iter().filter(|t| fits(t)).count() as u64;
+    let made = &object["made"];
+    assert_eq!((made["axes"][0]["name"].as_str(), &made["size"][1]), (Some("theta1"), &24.into()));
+    let corner = [0, 1].map(|i| made["first_pixel"][i].as_f64().unwrap());
+    let step = made["per_column"][0].as_f64().unwrap();
+    // Home at 4 : 3 is 8 π / 3 wide, with π in its middle.
+    assert!((corner[0] - (std::f64::consts::PI - 15.5 * step)).abs() < 1e-12, "{corner:?}");
+    assert!((32.0 * step - 8.0 / 3.0 * std::f64::consts::PI).abs() < 1e-12, "{step}");
     assert_eq!(object["forbidden"], count(|t| t.is_nan()));
     assert_eq!(object["unflipped"], count(|t| t.is_infinite()));
 }

@@ -76,7 +76,7 @@ fn unknown_endings_are_refused_before_the_work() {
     for (options, list) in [
         ("-o map.mp4", ".png, .jpg, .jpeg, .webp, .tif or .tiff"),
         ("-o map.npy", ".png, .jpg"),
-        ("--raw times.csv", "as .npy"),
+        ("--raw times.txt", "as .npy, .npz or .csv"),
         ("--exr map.png", "as .exr"),
         ("--verify --trust doubt.pdf -o a.png", ".png, .jpg"),
     ] {

@@ -222,7 +222,7 @@ fn a_zoom_ends_where_the_options_say() {
         let object: serde_json::Value = serde_json::from_str(&json).unwrap();
         object["location"].as_str().unwrap().to_string()
     };
-    for (frame, view) in [(0, "width=6.28"), (2, "center=1,1;width=0.5;")] {
+    for (frame, view) in [(0, "width=6.28"), (2, "center=1,1;width=0.5")] {
         assert!(line(frame).contains(view), "{}", line(frame));
     }
 }

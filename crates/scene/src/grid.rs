@@ -78,6 +78,13 @@ impl Grid {
         Grid::spanned(scene, center, [pixel, zero], [zero, pixel], size)
     }
 
+    /// Returns the change of both coordinates per pixel to the right and per pixel upwards, for a
+    /// picture of `width` pixels.
+    pub(super) fn steps(scene: &Scene, width: u32) -> [[f64; 2]; 2] {
+        let (right, up) = Self::axes(scene, scene.view.width_rad() / Dd::new(f64::from(width)));
+        [right, up].map(|step| step.map(|by| by.hi))
+    }
+
     /// Returns the change of (θ1, θ2) per pixel to the right and per pixel upwards, given the
     /// scene's rotation and stretch.
     fn axes(scene: &Scene, pixel: Dd) -> ([Dd; 2], [Dd; 2]) {

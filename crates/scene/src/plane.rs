@@ -90,6 +90,12 @@ impl Axis {
         matches!(self, Axis::Theta1 | Axis::Theta2)
     }
 
+    /// Returns the name of the quantity in files.
+    pub fn name(self) -> &'static str {
+        let named = AXES.iter().find(|(_, axis)| *axis == self);
+        named.map_or("momentum2", |(name, _)| *name)
+    }
+
     /// Returns the symbol of the quantity.
     pub fn symbol(self) -> &'static str {
         match self {

@@ -2,12 +2,14 @@
 //! unflipped and failed, `nan` for forbidden), `height` if the question asks for a time (the
 //! natural logarithm of the time, or of the budget where there is no time, so it is finite
 //! everywhere), `status` (0 unflipped, 1 flipped or answered, 2 forbidden, 3 failed) and
-//! `uncertain` (0 or 1), all f32, row 0 at the top.
+//! `uncertain` (0 or 1), all f32, row 0 at the top. The attribute `axes` says in JSON where the pixels
+//! lie.
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::slice::from_ref;
 
 use exr::block::{BlockIndex, UncompressedBlock};
+use exr::meta::attribute::AttributeValue;
 use exr::meta::header::{Header, LayerAttributes};
 use exr::meta::{BlockDescription, MetaData, magic_number};
 use exr::prelude::{ChannelDescription, Compression, Error, LineOrder, SampleType, Text, Vec2};
@@ -16,7 +18,7 @@ use crate::tiles::Samples;
 use crate::tiles::number_of;
 use flipmap_engine::Trust;
 use flipmap_pendulum::Status;
-use flipmap_scene::{Document, QuestionSettings};
+use flipmap_scene::{Document, PixelAxes, QuestionSettings};
 
 /// Contents of a channel of the file.
 #[derive(Clone, Copy)]
@@ -169,12 +171,21 @@ fn header(size: [u32; 2], document: &Document) -> Header {
     let channels =
         columns.iter().map(|(name, _)| ChannelDescription::named(*name, SampleType::F32));
     let compression = if size[0] <= SHORT_ROW { Compression::ZIP16 } else { Compression::ZIP1 };
-    let mut attributes = LayerAttributes::named("flipmap");
-    attributes.comments = Some(Text::from(document.text().as_str()));
+    let attributes = attributes(size, document);
     let [width, height] = size.map(|side| side as usize);
     Header::new(Text::from("flipmap"), (width, height), channels.collect())
         .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing)
         .with_attributes(attributes)
+}
+
+/// Returns what the image says of itself: its scene, and where its pixels lie.
+fn attributes(size: [u32; 2], document: &Document) -> LayerAttributes {
+    let mut attributes = LayerAttributes::named("flipmap");
+    attributes.comments = Some(Text::from(document.text().as_str()));
+    // One attribute: the library writes several in any order.
+    let axes = Text::from(PixelAxes::new(&document.scene(), size).json().as_str());
+    attributes.other.insert(Text::from("axes"), AttributeValue::Text(axes));
+    attributes
 }
 
 /// Writes everything that precedes the table of the blocks' offsets.
@@ -260,8 +271,7 @@ mod tests {
                 .zip(channels)
                 .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)))
                 .collect();
-        let mut attributes = LayerAttributes::named("flipmap");
-        attributes.comments = Some(Text::from(Document::default().text().as_str()));
+        let attributes = attributes(size, &Document::default());
         let line_order = LineOrder::Increasing;
         let encoding = Encoding { compression, blocks: Blocks::ScanLines, line_order };
         let [width, height] = size.map(|side| side as usize);
@@ -286,6 +296,8 @@ mod tests {
         assert_eq!(channel(&image, "uncertain"), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
         let text = layer.attributes.comments.as_ref().unwrap().to_string();
         assert!(text.contains("[view]"), "{text}");
+        let axes = format!("{:?}", layer.attributes.other[&Text::from("axes")]);
+        assert!(axes.contains("per_column"), "{axes}");
     }
 
     #[test]

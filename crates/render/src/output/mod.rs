@@ -7,6 +7,7 @@
 pub mod compare;
 mod comparison;
 mod corner_rows;
+mod csv;
 mod curve;
 mod device;
 mod digest;
@@ -18,6 +19,7 @@ mod legend;
 mod lit_rows;
 mod nearest_return;
 mod npy;
+mod npz;
 mod one_file;
 mod paint;
 mod paths;

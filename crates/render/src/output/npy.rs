@@ -22,12 +22,7 @@ impl<W: Write> NpyWriter<W> {
             1 => format!("({height}, {width})"),
             count => format!("({height}, {width}, {count})"),
         };
-        let shape = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
-        // Magic, version and length take 10 bytes; the whole header is padded to a multiple of 64.
-        let padded = (10 + shape.len() + 1).next_multiple_of(64) - 10;
-        out.write_all(b"\x93NUMPY\x01\x00")?;
-        out.write_all(&(padded as u16).to_le_bytes())?;
-        writeln!(out, "{shape:<width$}", width = padded - 1)?;
+        out.write_all(&header("<f8", &shape))?;
         Ok(NpyWriter { out, channels })
     }
 
@@ -46,6 +41,17 @@ impl<W: Write> NpyWriter<W> {
     pub(crate) fn into_inner(self) -> W {
         self.out
     }
+}
+
+/// Returns the header of an array of a kind and shape in NumPy's words.
+pub(super) fn header(kind: &str, shape: &str) -> Vec<u8> {
+    let text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
+    // Magic, version and length take 10 bytes; the whole header is padded to a multiple of 64.
+    let padded = (10 + text.len() + 1).next_multiple_of(64) - 10;
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((padded as u16).to_le_bytes());
+    bytes.extend(format!("{text:<width$}\n", width = padded - 1).bytes());
+    bytes
 }
 
 /// Largest number of channels of an array.

@@ -23,6 +23,9 @@ pub struct Paths {
     pub trust: Option<PathBuf>,
 }
 
+/// Extensions of arrays of answers: NumPy's, and tables.
+pub(super) const RAW: &[&str] = &["npy", "npz", "csv"];
+
 /// The kinds of outputs.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum OutputKind {
@@ -85,7 +88,7 @@ impl Paths {
                 OutputKind::Picture | OutputKind::Trust => {
                     WholeFormat::of(path).and_then(|_| file())
                 }
-                OutputKind::Raw => check_ending(path, &["npy"]).and_then(|()| file()),
+                OutputKind::Raw => check_ending(path, RAW).and_then(|()| file()),
                 OutputKind::Exr => check_ending(path, &["exr"]).and_then(|()| file()),
             };
             let setting = output.setting();

@@ -7,7 +7,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::csv::CsvWriter;
 use super::failure::{OutputError, is_broken_pipe};
+use super::npz::NpzWriter;
 use super::paths::{OutputKind, Paths};
 use super::{
     Destination, ExrWriter, NpyWriter, PictureFile, PngError, Pyramid, PyramidFolder, RowPainter,
@@ -34,6 +36,9 @@ enum Sink {
     DeepPicture(PictureFile),
     Pyramid(Box<Pyramid>),
     Raw(NpyWriter<SafeFile>),
+    /// Arrays with their coordinates.
+    Arrays(Box<NpzWriter<SafeFile>>),
+    Table(Box<CsvWriter<SafeFile>>),
     Exr(Box<ExrWriter<Spool>>),
     Trust(PictureFile),
 }
@@ -77,7 +82,18 @@ impl Sink {
                 Sink::Pyramid(Box::new(Pyramid::create(path, size, document).map_err(refused)?))
             }
             OutputKind::Raw => {
-                Sink::Raw(NpyWriter::new(file()?, size, channels_of(document)).map_err(failed)?)
+                let (file, channels) = (file()?, channels_of(document));
+                let ends_in =
+                    |ending| path.extension().is_some_and(|it| it.eq_ignore_ascii_case(ending));
+                if ends_in("npz") {
+                    let npz = NpzWriter::new(file, size, document, channels);
+                    Sink::Arrays(Box::new(npz.map_err(failed)?))
+                } else if ends_in("csv") {
+                    let csv = CsvWriter::new(file, size, document, channels);
+                    Sink::Table(Box::new(csv.map_err(refused)?))
+                } else {
+                    Sink::Raw(NpyWriter::new(file, size, channels).map_err(failed)?)
+                }
             }
             OutputKind::Exr => {
                 let spool = Spool::new(file()?).map_err(failed)?;
@@ -95,6 +111,8 @@ impl Sink {
     fn write(&mut self, samples: &Samples) -> Result<(), PngError> {
         match self {
             Sink::Raw(npy) => npy.write(samples)?,
+            Sink::Arrays(npz) => npz.write(samples)?,
+            Sink::Table(csv) => csv.write(samples)?,
             Sink::Exr(exr) => exr.write(samples)?,
             Sink::Trust(picture) => picture.write(&trust_colours(samples))?,
             Sink::Picture(_) | Sink::DeepPicture(_) | Sink::Pyramid(_) => {}
@@ -108,7 +126,7 @@ impl Sink {
             Sink::Picture(picture) => picture.write(&painted.rgb)?,
             Sink::DeepPicture(picture) => picture.write(&painted.deep)?,
             Sink::Pyramid(pyramid) => pyramid.write(&painted.rgb)?,
-            Sink::Raw(_) | Sink::Exr(_) | Sink::Trust(_) => {}
+            Sink::Raw(_) | Sink::Arrays(_) | Sink::Table(_) | Sink::Exr(_) | Sink::Trust(_) => {}
         }
         Ok(())
     }
@@ -120,6 +138,8 @@ impl Sink {
                 picture.complete()?
             }
             Sink::Raw(npy) => npy.into_inner(),
+            Sink::Arrays(npz) => npz.finish()?,
+            Sink::Table(csv) => csv.into_inner(),
             Sink::Exr(exr) => exr.finish()?.into_file()?,
         };
         file.flush()?;
