@@ -38,8 +38,12 @@ pub(super) fn scan(task: &Task) -> anyhow::Result<Parts> {
     Ok(parts)
 }
 
-/// Requests the engine that a plan was made for, unless the request names another.
+/// Requests the engine that a plan was made for, unless the request names another or the plan leaves
+/// it open.
 pub(super) fn request_like(plan: &Plan, request: EngineRequest) -> EngineRequest {
+    if plan.any_engine {
+        return request;
+    }
     prefer_engine(request, plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 

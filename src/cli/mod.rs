@@ -13,6 +13,7 @@ pub(crate) mod exit;
 mod explore;
 mod farm;
 mod film_options;
+mod foresight;
 mod frames;
 mod hunt;
 #[cfg(feature = "window")]

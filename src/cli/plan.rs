@@ -140,7 +140,10 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         }
     }
     let engine = (chosen.engine.as_ref(), chosen.config, spec.verify);
-    let plan = Plan::new(what, options.shards, engine, options.numbers);
+    let mut plan = Plan::new(what, options.shards, engine, options.numbers);
+    if options.film.run.engine.is_open() && request.kind.is_none() {
+        plan = plan.for_any_engine();
+    }
     super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
     let task = Task::new(plan, &options.output)?;
     super::tell(&format!(

@@ -8,14 +8,16 @@ use clap::Args;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::trust::{AccuracyEstimate, Opinion};
-use flipmap_engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
+use flipmap_engine::{Accuracy, Cells, Engine, EngineKind, IntegratorConfig, Trust};
 use flipmap_render::output::{Paths, PictureRecipe, RenderError, RenderedPicture};
 use flipmap_render::tiles::{self, Counts, Renderer, SavedPixels};
+use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Document, Grid, PixelAxes, Sampling, Scene, location};
 
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
 use super::exit::Exit;
+use super::foresight::{Foresight, file_size};
 use super::option_names::by_option;
 use super::options::SceneOptions;
 use super::outputs::OutputOptions;
@@ -38,6 +40,10 @@ pub(super) struct Options {
     /// Print the settings that ran, the counts and the timings as one JSON object
     #[arg(hide_short_help = true, long)]
     json: bool,
+    /// Say how many samples there are to compute, how long that takes and how large the files become,
+    /// and compute nothing
+    #[arg(hide_short_help = true, long)]
+    dry_run: bool,
     /// Progress display on standard error
     #[arg(hide_short_help = true, long, value_enum, default_value_t = Mode::Auto)]
     pub progress: Mode,
@@ -58,6 +64,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut continued =
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check(&document.picture)?;
+    if options.dry_run {
+        return foresee(options, &document, &spec, &paths);
+    }
     let mut request =
         options.run.engine.request(spec.setting, spec.verify).answering(&document.question);
     if let Some(continued) = &continued {
@@ -103,6 +112,24 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Says what a render would take, by the rate of the home map in the profile.
+fn foresee(
+    options: &Options,
+    document: &Document,
+    spec: &RunSpec,
+    paths: &Paths,
+) -> anyhow::Result<()> {
+    let size = spec.size();
+    let [width, height] = document.picture.samples.grid_size(size).map(u64::from);
+    let effort = Foresight::of(&options.run.engine, spec.setting, width * height);
+    super::say(&effort.sentence())?;
+    for (option, path) in by_option(paths) {
+        let file = path.display();
+        super::say(&format!("{option} {file}: {}", file_size(path, size, &document.question)))?;
+    }
+    Ok(())
+}
+
 /// Resolves the options, and rejects impossible ones before anything is computed.
 fn prepare(options: &Options) -> anyhow::Result<(Document, RunSpec, OutputOptions)> {
     options.run.engine.check()?;
@@ -140,7 +167,9 @@ fn outlook(
     how: (IntegratorConfig, Cells),
     engine: &mut dyn Engine,
 ) -> anyhow::Result<Option<AccuracyEstimate>> {
-    if spec.setting != IntegrationSetting::Accuracy(Accuracy::Balanced) || spec.verify {
+    // A growth is a mean along the path, and chaotic starts are what it is for.
+    let is_mean = scene.question.ask == QuestionName::Growth;
+    if spec.setting != IntegrationSetting::Accuracy(Accuracy::Balanced) || spec.verify || is_mean {
         return Ok(None);
     }
     let outlook = tiles::outlook(scene, spec.size(), how, engine, &|| !stop::asked())?;
@@ -169,8 +198,12 @@ fn interrupted<T>(error: RenderError) -> anyhow::Result<T> {
 
 fn announce(engine: &dyn Engine, config: IntegratorConfig, verify: bool, why: &str) {
     let checked = if verify { ", every pixel checked" } else { "" };
+    let adapter = match engine.kind() {
+        EngineKind::Gpu => format!(" on {}", engine.adapter()),
+        EngineKind::Cpu => String::new(),
+    };
     super::tell(&format!(
-        "flipmap: {} engine, {} {} in {}{checked}; {why}",
+        "flipmap: {} engine{adapter}, {} {} in {}{checked}; {why}",
         engine.kind(),
         config.method.name(),
         config.method.setting(),
@@ -313,7 +346,7 @@ fn tell(ran: &RunSummary, scene: &Scene) {
     let [done, not_done] = scene.question.ask.kind().counted;
     super::tell(&format!(
         "flipmap: {pixels} pixels: {flipped} {done}, {unflipped} {not_done}, {forbidden} forbidden, \
-         {failed} failed; {simulated} simulated in {:.2} s ({:.2} s setup, {:.2} s output)",
+         {failed} failed; {simulated} samples integrated in {:.2} s ({:.2} s setup, {:.2} s output)",
         seconds[1], seconds[0], seconds[2]
     ));
     if let Some(depth) = counts.effort.depth {

@@ -113,6 +113,11 @@ impl EngineOptions {
         all.fold(GpuTuning::default(), |tuning, text| tuning.with(text).unwrap_or(tuning))
     }
 
+    /// Returns true if neither an engine nor an adapter is named.
+    pub(super) fn is_open(&self) -> bool {
+        self.engine == EngineOption::Auto && self.adapter.is_none()
+    }
+
     /// Number of threads for the CPU engine, if given.
     pub(super) fn threads(&self) -> Option<usize> {
         self.threads.map(|threads| threads as usize)

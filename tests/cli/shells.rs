@@ -4,6 +4,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use super::*;
+use crate::program::{done, refused};
 
 /// Runs a line of a shell in which `flipmap` is the program.
 fn shell(folder: &TempDir, line: &str) -> Output {
@@ -126,4 +127,53 @@ fn quiet_runs_say_nothing_and_json_runs_nothing_else() {
     let failed = flipmap(&folder, &[small, &["--progress", "json", "-o", "no/b.png"]].concat());
     let object: serde_json::Value = serde_json::from_str(error_of(&failed).trim()).unwrap();
     assert!(object["error"].as_str().unwrap().contains("the folder no does not exist"));
+}
+
+#[test]
+fn plans_leave_the_engine_open_unless_one_is_named_and_shards_count_from_0_where_told() {
+    let folder = folder();
+    let plan = |more: &[&str]| {
+        let words =
+            ["plan", "--size", "24x24", "--accuracy", "fast", "--shards", "3", "-o", "p.toml"];
+        done(&folder, &[&words[..], more].concat());
+        fs::read_to_string(folder.path().join("p.toml")).unwrap()
+    };
+    assert!(plan(&[]).contains("any_engine = true"));
+    assert!(!plan(&["--engine", "cpu"]).contains("any_engine"));
+    done(&folder, &["run", "p.toml", "--shard", "0-1", "--from", "0"]);
+    let missing = flipmap(&folder, &["verify", "p.toml", "--from", "0"]);
+    assert_eq!(missing.stdout, b"2\n");
+    assert!(
+        error_of(&missing)
+            .contains("complete (2): complete each with flipmap run p.toml --shard N --from 0")
+    );
+    let beyond = refused(&folder, 2, &["run", "p.toml", "--shard", "3", "--from", "0"]);
+    assert!(
+        beyond.contains("a number from 0 to 2, or a range of two such numbers, as in 0-2"),
+        "{beyond}"
+    );
+}
+
+#[test]
+fn a_dry_run_says_what_would_be_done_and_does_nothing() {
+    let folder = folder();
+    let output = flipmap(
+        &folder,
+        &[
+            "render",
+            "--size",
+            "200x100",
+            "--samples",
+            "2",
+            "-o",
+            "a.tiff",
+            "--raw",
+            "a.npz",
+            "--dry-run",
+        ],
+    );
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.starts_with("80,000 samples at most; at the "), "{said}");
+    assert!(said.contains("-o a.tiff: 58.59 KiB\n--raw a.npz: at most 195.31 KiB\n"), "{said}");
+    assert!(names_in(&folder).is_empty());
 }

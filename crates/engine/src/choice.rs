@@ -139,7 +139,10 @@ pub struct Chosen {
 /// Chooses and starts an engine; `tell` receives a message before anything that takes long.
 pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     let chosen = match (request.kind, &request.adapter) {
-        (Some(EngineKind::Cpu), _) => cpu(request, "asked for".to_string())?,
+        (Some(EngineKind::Cpu), _) if request.ends.are_carried() => {
+            cpu(request, "the engine for this question unless another is named".to_string())?
+        }
+        (Some(EngineKind::Cpu), _) => cpu(request, "as named".to_string())?,
         (Some(EngineKind::Gpu), _) | (None, Some(_)) => first_trusted(request)?
             .map_err(|why| ChoiceError::NoAdapter(format!("{why}; or use the cpu engine")))?,
         (None, None) => automatic(request, tell)?,

@@ -53,6 +53,9 @@ pub struct ProfileRow {
     pub us_per_pixel: f64,
     /// Share of a few hundred pixels that are within 1 ms of the gold standard.
     pub right: f64,
+    /// True for an adapter that is computed on the processor's own cores.
+    #[serde(default)]
+    pub software: bool,
 }
 
 /// Side in pixels of the smallest picture whose open starts are timed.
@@ -93,8 +96,8 @@ impl Profile {
     /// Returns the profile that an earlier run cached, if it fits this machine in its present
     /// state.
     pub fn kept(threads: Option<usize>) -> Option<Profile> {
-        let kept = path().as_deref().and_then(read)?;
-        (kept.key == key(threads)).then_some(kept)
+        let (kept, key) = (path().as_deref().and_then(read)?, key(threads));
+        kept.into_iter().find(|profile| profile.key == key)
     }
 
     /// Caches the profile for the next run.
@@ -108,7 +111,7 @@ impl Profile {
         let mut profile = Profile { key: key(threads), rows: Vec::new(), refused: Vec::new() };
         let sample = Sample::new(SIDE);
         match CpuEngine::new(threads) {
-            Ok(mut engine) => profile.add(&mut engine, "", &CPU_CONFIGS, &sample, SIDE),
+            Ok(mut engine) => profile.add(&mut engine, ("", false), &CPU_CONFIGS, &sample, SIDE),
             Err(error) => profile.refused.push(format!("cpu: {error}")),
         }
         let mut measured: Vec<Adapter> = Vec::new();
@@ -121,7 +124,7 @@ impl Profile {
                 Ok(mut engine) => {
                     let configs = pairs.configs(hardware, engine.offers(&BALANCED));
                     let largest = if hardware { MAX_SIDE } else { SIDE };
-                    profile.add(engine.as_mut(), &name, configs, &sample, largest);
+                    profile.add(engine.as_mut(), (&name, !hardware), configs, &sample, largest);
                     measured.push(adapter);
                 }
                 Err(error) => profile.refused.push(format!("{name}: {error}")),
@@ -133,7 +136,7 @@ impl Profile {
     fn add(
         &mut self,
         engine: &mut dyn Engine,
-        adapter: &str,
+        (adapter, software): (&str, bool),
         configs: &[(Accuracy, IntegratorConfig)],
         sample: &Sample,
         largest: u32,
@@ -149,6 +152,7 @@ impl Profile {
                     precision: config.precision.to_string(),
                     us_per_pixel,
                     right,
+                    software,
                 }),
                 Err(error) => self.refused.push(format!("{} {adapter}: {error}", engine.kind())),
             }
@@ -157,16 +161,20 @@ impl Profile {
 
     /// Returns the fastest row for a level among those that `allows` accepts and whose answers are
     /// as right as the level promises. An exact picture begins as a balanced one, so the rows of
-    /// [`Accuracy::Balanced`] count for it.
+    /// [`Accuracy::Balanced`] count for it. An adapter in software shares its cores with the
+    /// processor's own engine, which comes before it whatever the noise of the measurement.
     pub fn fastest(
         &self,
         accuracy: Accuracy,
         allows: impl Fn(&ProfileRow) -> bool,
     ) -> Option<&ProfileRow> {
         let measured = if accuracy == Accuracy::Exact { Accuracy::Balanced } else { accuracy };
+        let fits =
+            |row: &&ProfileRow| row.accuracy == measured && row.keeps_promise() && allows(row);
+        let has_cpu = self.rows.iter().any(|row| fits(&row) && row.engine == EngineKind::Cpu);
         self.rows
             .iter()
-            .filter(|row| row.accuracy == measured && row.keeps_promise() && allows(row))
+            .filter(|row| fits(row) && !(has_cpu && row.software))
             .min_by(|a, b| a.us_per_pixel.total_cmp(&b.us_per_pixel))
     }
 }
@@ -324,11 +332,28 @@ fn path() -> Option<PathBuf> {
     Some(folders.cache_dir().join("flipmap").join("profile.json"))
 }
 
-/// Largest size of a profile's file in bytes, enough for many adapters.
-const MAX_BYTES: u64 = 1 << 20;
+/// Largest size of the file of profiles in bytes, enough for many adapters.
+const MAX_BYTES: u64 = 1 << 22;
+/// Largest number of profiles that are kept: machines that share a home folder have one each.
+const MAX_KEPT: usize = 64;
 
-fn read(path: &Path) -> Option<Profile> {
-    serde_json::from_slice(&read_plain(path, MAX_BYTES).ok()?).ok()
+/// The profiles in a file, the newest first; earlier versions kept a single one.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum KeptProfiles {
+    All(Vec<Profile>),
+    One(Box<Profile>),
+}
+
+fn parsed(bytes: &[u8]) -> serde_json::Result<Vec<Profile>> {
+    Ok(match serde_json::from_slice(bytes)? {
+        KeptProfiles::All(all) => all,
+        KeptProfiles::One(one) => vec![*one],
+    })
+}
+
+fn read(path: &Path) -> Option<Vec<Profile>> {
+    parsed(&read_plain(path, MAX_BYTES).ok()?).ok()
 }
 
 /// Returns a sentence that says why a profile's file cannot be used, if the file exists and is
@@ -337,18 +362,23 @@ fn damage(path: &Path) -> Option<String> {
     let why = match read_plain(path, MAX_BYTES) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
         Err(error) => error.to_string(),
-        Ok(bytes) => serde_json::from_slice::<Profile>(&bytes).err()?.to_string(),
+        Ok(bytes) => parsed(&bytes).err()?.to_string(),
     };
     Some(format!("the measured profile {} is ignored: {why}", path.display()))
 }
 
-/// Writes a temporary file and moves it into place, so that two runs at once leave a complete
-/// profile.
+/// Puts a profile first among those in a file, in place of an earlier one of the same machine.
+/// Writes a temporary file and moves it into place, so that two runs at once leave complete
+/// profiles.
 fn write(path: &Path, profile: &Profile) -> std::io::Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder)?;
+    let mut all = read(path).unwrap_or_default();
+    all.retain(|other| other.key != profile.key);
+    all.insert(0, profile.clone());
+    all.truncate(MAX_KEPT);
     let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(&serde_json::to_vec_pretty(profile)?)?;
+    file.write_all(&serde_json::to_vec_pretty(&all)?)?;
     file.persist(path)?;
     Ok(())
 }
@@ -369,7 +399,22 @@ mod tests {
             precision: config.precision.to_string(),
             us_per_pixel,
             right: 1.0,
+            software: false,
         }
+    }
+
+    #[test]
+    fn an_adapter_in_software_never_beats_the_same_cores() {
+        let mut software = row(Accuracy::Balanced, EngineKind::Gpu, 3.9);
+        software.software = true;
+        let rows = vec![software, row(Accuracy::Balanced, EngineKind::Cpu, 4.0)];
+        let profile = Profile { key: String::new(), rows, refused: Vec::new() };
+        let fastest = |gpu: bool| {
+            let allows = |row: &ProfileRow| !gpu || row.engine == EngineKind::Gpu;
+            profile.fastest(Accuracy::Balanced, allows).unwrap().engine
+        };
+        assert_eq!(fastest(false), EngineKind::Cpu);
+        assert_eq!(fastest(true), EngineKind::Gpu, "where the processor was not allowed");
     }
 
     #[test]
@@ -432,7 +477,15 @@ mod tests {
         let rows = vec![row(Accuracy::Fast, EngineKind::Cpu, 2.5)];
         let profile = Profile { key: "here".to_string(), rows, refused: Vec::new() };
         write(&path, &profile).unwrap();
-        assert_eq!(read(&path), Some(profile));
+        assert_eq!(read(&path), Some(vec![profile.clone()]));
+        // Another machine that shares the folder keeps its own, and a newer one replaces its own.
+        let other = Profile { key: "there".to_string(), ..profile.clone() };
+        let newer = Profile { refused: vec!["x".to_string()], ..profile.clone() };
+        write(&path, &other).unwrap();
+        write(&path, &newer).unwrap();
+        assert_eq!(read(&path), Some(vec![newer, other]));
+        std::fs::write(&path, serde_json::to_vec(&profile).unwrap()).unwrap();
+        assert_eq!(read(&path), Some(vec![profile]), "of an earlier version");
         std::fs::write(&path, "{").unwrap();
         assert_eq!(read(&path), None);
         assert!(damage(&path).unwrap().contains("is ignored"));

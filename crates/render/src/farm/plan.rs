@@ -30,6 +30,10 @@ pub struct Plan {
     pub verify: bool,
     /// True if arrays of numbers are wanted as well as a picture with several samples per pixel.
     pub numbers: bool,
+    /// True if each shard takes the fastest engine where it runs, with the plan's method and
+    /// precision; `engine` and `adapter` are then those of the machine that planned.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub any_engine: bool,
     /// The kind of engine.
     pub engine: EngineKind,
     /// Name of the adapter, for a `gpu` only.
@@ -93,6 +97,7 @@ impl Plan {
             shards,
             verify,
             numbers,
+            any_engine: false,
             engine: engine.kind(),
             adapter,
             config: run_settings::from_config(config),
@@ -101,6 +106,14 @@ impl Plan {
         };
         plan.sha256 = plan.digest();
         plan
+    }
+
+    /// Returns the plan with shards that take the fastest engine where they run.
+    #[must_use]
+    pub fn for_any_engine(mut self) -> Self {
+        self.any_engine = true;
+        self.sha256 = self.digest();
+        self
     }
 
     /// Reads and checks a plan.

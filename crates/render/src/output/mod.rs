@@ -37,6 +37,7 @@ mod shell;
 mod sinks;
 mod spool;
 mod state;
+mod tiff_stream;
 mod trace;
 mod trace_channels;
 mod trace_table;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::ending::check_ending;
 use super::failure::OutputError;
-use super::whole_picture::{WholeFormat, check_depth};
+use super::whole_picture::{PictureFormat, check_depth};
 use super::{Destination, PyramidFolder, SafeFile};
 use flipmap_scene::PictureTable;
 
@@ -86,7 +86,7 @@ impl Paths {
                     check_depth(path).and_then(|()| file())
                 }
                 OutputKind::Picture | OutputKind::Trust => {
-                    WholeFormat::of(path).and_then(|_| file())
+                    PictureFormat::of(path).and_then(|_| file())
                 }
                 OutputKind::Raw => check_ending(path, RAW).and_then(|()| file()),
                 OutputKind::Exr => check_ending(path, &["exr"]).and_then(|()| file()),

@@ -1,11 +1,13 @@
 //! Pictures in the format that the name of their file asks for.
 //!
-//! PNG carries the scene and is written row by row; JPEG, WebP and TIFF are encoded as a whole.
+//! PNG carries the scene and is written row by row, TIFF strip by strip; JPEG and WebP are encoded as
+//! a whole.
 
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::whole_picture::{WholeFormat, WholePicture, check_depth};
+use super::tiff_stream::TiffStream;
+use super::whole_picture::{PictureFormat, WholePicture, check_depth};
 use super::{Destination, PngError, PngWriter, SafeFile};
 use flipmap_scene::Document;
 
@@ -13,7 +15,8 @@ use flipmap_scene::Document;
 pub struct PictureFile(Encoding);
 
 enum Encoding {
-    ByRows(PngWriter<SafeFile>),
+    Png(PngWriter<SafeFile>),
+    Tiff(TiffStream),
     Whole(WholePicture),
 }
 
@@ -22,14 +25,19 @@ impl PictureFile {
     /// there is one. Refuses an unsupported format, a file that cannot be created, and a size that
     /// the format cannot hold.
     pub fn create(path: &Path, size: [u32; 2], document: Option<&Document>) -> io::Result<Self> {
-        let format = WholeFormat::of(path)?;
+        let format = PictureFormat::of(path)?;
         let file = SafeFile::create(&Destination::from(path))?;
         Ok(PictureFile(match (format, document) {
-            (Some(format), _) => Encoding::Whole(WholePicture::new(file, format, size, false)?),
-            (None, Some(document)) => {
-                Encoding::ByRows(PngWriter::new(file, size, document).map_err(as_io)?)
+            (PictureFormat::Whole(format), _) => {
+                Encoding::Whole(WholePicture::new(file, format, size)?)
             }
-            (None, None) => Encoding::ByRows(PngWriter::without_scene(file, size).map_err(as_io)?),
+            (PictureFormat::Tiff, _) => Encoding::Tiff(TiffStream::begin(file, size, false)?),
+            (PictureFormat::Png, Some(document)) => {
+                Encoding::Png(PngWriter::new(file, size, document).map_err(as_io)?)
+            }
+            (PictureFormat::Png, None) => {
+                Encoding::Png(PngWriter::without_scene(file, size).map_err(as_io)?)
+            }
         }))
     }
 
@@ -41,18 +49,19 @@ impl PictureFile {
         document: &Document,
     ) -> io::Result<Self> {
         check_depth(path)?;
-        let format = WholeFormat::of(path)?;
+        let format = PictureFormat::of(path)?;
         let file = SafeFile::create(&Destination::from(path))?;
         Ok(PictureFile(match format {
-            Some(format) => Encoding::Whole(WholePicture::new(file, format, size, true)?),
-            None => Encoding::ByRows(PngWriter::deep(file, size, document).map_err(as_io)?),
+            PictureFormat::Tiff => Encoding::Tiff(TiffStream::begin(file, size, true)?),
+            _ => Encoding::Png(PngWriter::deep(file, size, document).map_err(as_io)?),
         }))
     }
 
     /// Adds the next rows, three bytes per pixel, or six with each channel's high byte first.
     pub fn write(&mut self, rgb: &[u8]) -> io::Result<()> {
         match &mut self.0 {
-            Encoding::ByRows(png) => png.write(rgb).map_err(as_io),
+            Encoding::Png(png) => png.write(rgb).map_err(as_io),
+            Encoding::Tiff(tiff) => tiff.write(rgb),
             Encoding::Whole(picture) => {
                 picture.write(rgb);
                 Ok(())
@@ -63,7 +72,8 @@ impl PictureFile {
     /// Completes the picture; [`SafeFile::finish`] then renames the file to its destination.
     pub fn complete(self) -> io::Result<SafeFile> {
         let mut file = match self.0 {
-            Encoding::ByRows(png) => png.finish().map_err(as_io)?,
+            Encoding::Png(png) => png.finish().map_err(as_io)?,
+            Encoding::Tiff(tiff) => tiff.finish()?,
             Encoding::Whole(picture) => picture.encode()?,
         };
         file.flush()?;

@@ -1,9 +1,10 @@
-//! Pictures in formats that are encoded as a whole: JPEG, WebP and TIFF.
+//! Pictures in formats other than PNG; JPEG and WebP are encoded as a whole.
 
 use std::io::{self, Cursor, Write};
 use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
+use image::codecs::webp::WebPEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat};
 
 use super::SafeFile;
@@ -15,12 +16,22 @@ const JPEG_QUALITY: u8 = 95;
 /// Extensions of pictures.
 pub const PICTURES: &[&str] = &["png", "jpg", "jpeg", "webp", "tif", "tiff"];
 
-/// A format other than PNG.
+/// The format of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PictureFormat {
+    /// Written row by row.
+    Png,
+    /// Written strip by strip.
+    Tiff,
+    /// Encoded as a whole.
+    Whole(WholeFormat),
+}
+
+/// A format whose encoder takes a whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum WholeFormat {
     Jpeg,
     WebP,
-    Tiff,
 }
 
 /// The limits of a format.
@@ -29,45 +40,38 @@ struct WholeLimits {
     ending: &'static str,
     /// Longest side that it can hold, in pixels.
     longest: u32,
-    /// True if it can hold sixteen bits a channel.
-    is_deep: bool,
+}
+
+impl PictureFormat {
+    /// Returns the format that the extension of a picture's name asks for; PNG is also the format of
+    /// names without an extension.
+    pub(super) fn of(path: &Path) -> io::Result<Self> {
+        check_ending(path, PICTURES)?;
+        Ok(match ImageFormat::from_path(path) {
+            Ok(ImageFormat::Jpeg) => PictureFormat::Whole(WholeFormat::Jpeg),
+            Ok(ImageFormat::WebP) => PictureFormat::Whole(WholeFormat::WebP),
+            Ok(ImageFormat::Tiff) => PictureFormat::Tiff,
+            _ => PictureFormat::Png,
+        })
+    }
 }
 
 impl WholeFormat {
-    /// Returns the format that the extension of a picture's name asks for; `None` for PNG, which is
-    /// also the format of names without an extension.
-    pub(super) fn of(path: &Path) -> io::Result<Option<Self>> {
-        check_ending(path, PICTURES)?;
-        Ok(match ImageFormat::from_path(path) {
-            Ok(ImageFormat::Jpeg) => Some(WholeFormat::Jpeg),
-            Ok(ImageFormat::WebP) => Some(WholeFormat::WebP),
-            Ok(ImageFormat::Tiff) => Some(WholeFormat::Tiff),
-            _ => None,
-        })
-    }
-
     fn limits(self) -> WholeLimits {
         match self {
-            WholeFormat::Jpeg => WholeLimits { ending: "jpg", longest: 65_535, is_deep: false },
-            WholeFormat::WebP => WholeLimits { ending: "webp", longest: 16_383, is_deep: false },
-            WholeFormat::Tiff => WholeLimits { ending: "tiff", longest: u32::MAX, is_deep: true },
+            WholeFormat::Jpeg => WholeLimits { ending: "jpg", longest: 65_535 },
+            WholeFormat::WebP => WholeLimits { ending: "webp", longest: 16_383 },
         }
     }
 
-    fn encoded(
-        self,
-        rgb: &[u8],
-        [width, height]: [u32; 2],
-        color: ExtendedColorType,
-    ) -> image::ImageResult<Vec<u8>> {
-        let mut bytes = Cursor::new(Vec::new());
-        let mut encode =
-            |format| image::write_buffer_with_format(&mut bytes, rgb, width, height, color, format);
+    fn encoded(self, rgb: &[u8], [width, height]: [u32; 2]) -> image::ImageResult<Vec<u8>> {
+        let (mut bytes, color) = (Cursor::new(Vec::new()), ExtendedColorType::Rgb8);
         match self {
             WholeFormat::Jpeg => JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY)
                 .write_image(rgb, width, height, color)?,
-            WholeFormat::WebP => encode(ImageFormat::WebP)?,
-            WholeFormat::Tiff => encode(ImageFormat::Tiff)?,
+            WholeFormat::WebP => {
+                WebPEncoder::new_lossless(&mut bytes).write_image(rgb, width, height, color)?;
+            }
         }
         Ok(bytes.into_inner())
     }
@@ -75,11 +79,14 @@ impl WholeFormat {
 
 /// Refuses a name whose format cannot hold sixteen bits a channel.
 pub(super) fn check_depth(path: &Path) -> io::Result<()> {
-    match WholeFormat::of(path)?.map(WholeFormat::limits) {
-        Some(WholeLimits { ending, is_deep: false, .. }) => Err(io::Error::other(format!(
-            ".{ending} has no 16 bits a channel: name a .png or a .tiff"
-        ))),
-        _ => Ok(()),
+    match PictureFormat::of(path)? {
+        PictureFormat::Whole(format) => {
+            let ending = format.limits().ending;
+            Err(io::Error::other(format!(
+                ".{ending} has no 16 bits a channel: name a .png or a .tiff"
+            )))
+        }
+        PictureFormat::Png | PictureFormat::Tiff => Ok(()),
     }
 }
 
@@ -88,26 +95,29 @@ pub(super) struct WholePicture {
     file: SafeFile,
     format: WholeFormat,
     size: [u32; 2],
-    /// True for two bytes a channel, the high one first.
-    deep: bool,
     rgb: Vec<u8>,
 }
 
 impl WholePicture {
-    /// Begins a picture; refuses a size that the format cannot hold.
-    pub(super) fn new(
-        file: SafeFile,
-        format: WholeFormat,
-        size: [u32; 2],
-        deep: bool,
-    ) -> io::Result<Self> {
+    /// Begins a picture; refuses a size that the format or the memory cannot hold.
+    pub(super) fn new(file: SafeFile, format: WholeFormat, size: [u32; 2]) -> io::Result<Self> {
         let WholeLimits { ending, longest, .. } = format.limits();
         if size.into_iter().any(|side| side > longest) {
             return Err(io::Error::other(format!(
                 ".{ending} holds at most {longest} pixels along a side: name a .png or a .tiff"
             )));
         }
-        Ok(WholePicture { file, format, size, deep, rgb: Vec::new() })
+        // The pixels, and at most as many bytes for the file.
+        let needed = 6 * size.map(u64::from).iter().product::<u64>();
+        if let Some(free) = available_bytes().filter(|free| needed > *free) {
+            return Err(io::Error::other(format!(
+                ".{ending} is encoded as a whole, for which {:.1} GiB of memory are needed and {:.1} \
+                 are free: name a .png or a .tiff",
+                gib(needed),
+                gib(free)
+            )));
+        }
+        Ok(WholePicture { file, format, size, rgb: Vec::new() })
     }
 
     /// Adds the next rows.
@@ -117,18 +127,23 @@ impl WholePicture {
 
     /// Encodes the picture.
     pub(super) fn encode(mut self) -> io::Result<SafeFile> {
-        let color = if self.deep { ExtendedColorType::Rgb16 } else { ExtendedColorType::Rgb8 };
-        if self.deep {
-            // The encoder takes numbers in the machine's byte order.
-            for channel in self.rgb.as_chunks_mut::<2>().0 {
-                *channel = u16::from_be_bytes(*channel).to_ne_bytes();
-            }
-        }
-        let encoded = self.format.encoded(&self.rgb, self.size, color);
+        let encoded = self.format.encoded(&self.rgb, self.size);
         let bytes = encoded.map_err(io::Error::other)?;
         self.file.write_all(&bytes)?;
         Ok(self.file)
     }
+}
+
+fn gib(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 30)
+}
+
+/// Returns the memory in bytes that the system can still give; only Linux tells.
+fn available_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib << 10)
 }
 
 #[cfg(test)]
@@ -138,24 +153,41 @@ mod tests {
     #[test]
     fn every_format_holds_what_its_name_says() {
         let rgb: Vec<u8> = (0..16 * 8).flat_map(|k| [k, 255 - k, 90]).collect();
-        for (name, apart) in [("a.jpg", 12), ("a.JPEG", 12), ("a.webp", 0), ("a.tif", 0)] {
-            let format = WholeFormat::of(Path::new(name)).unwrap().expect(name);
-            let bytes = format.encoded(&rgb, [16, 8], ExtendedColorType::Rgb8).unwrap();
+        for (name, apart) in [("a.jpg", 12), ("a.JPEG", 12), ("a.webp", 0)] {
+            let PictureFormat::Whole(format) = PictureFormat::of(Path::new(name)).unwrap() else {
+                panic!("{name}")
+            };
+            let bytes = format.encoded(&rgb, [16, 8]).unwrap();
             assert_eq!(image::guess_format(&bytes).ok(), ImageFormat::from_path(name).ok());
             let read = image::load_from_memory(&bytes).unwrap().into_rgb8();
             assert_eq!(read.dimensions(), (16, 8));
             let worst = read.iter().zip(&rgb).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
             assert!(worst <= apart, "{name} is off by {worst}");
         }
+        assert_eq!(PictureFormat::of(Path::new("a.tif")).unwrap(), PictureFormat::Tiff);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn pictures_larger_than_memory_are_refused_before_the_work() {
+        let file = SafeFile::create(&super::super::Destination::from(Path::new("/dev/null")));
+        let refused = WholePicture::new(file.unwrap(), WholeFormat::Jpeg, [65_535; 2]);
+        let why = refused.err().map_or(String::new(), |error| error.to_string());
+        let free = available_bytes().unwrap();
+        assert_eq!(
+            why.contains("24.0 GiB of memory are needed"),
+            free < 6 * 65_535 * 65_535,
+            "{why}"
+        );
     }
 
     #[test]
     fn other_names_are_png_or_refused() {
         for name in ["a.png", "a", "-", "/dev/full"] {
-            assert_eq!(WholeFormat::of(Path::new(name)).unwrap(), None, "{name}");
+            assert_eq!(PictureFormat::of(Path::new(name)).unwrap(), PictureFormat::Png, "{name}");
         }
         for name in ["a.gif", "a.mp4", "a.npy", "a.pdf"] {
-            let error = WholeFormat::of(Path::new(name)).unwrap_err().to_string();
+            let error = PictureFormat::of(Path::new(name)).unwrap_err().to_string();
             assert!(error.ends_with(".png, .jpg, .jpeg, .webp, .tif or .tiff"), "{error}");
         }
     }
