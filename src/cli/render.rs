@@ -1,7 +1,7 @@
 //! `flipmap render`: renders a scene as a picture, as tiles, as an array of flip times, as a map of
 //! trust, or as several of these.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -94,12 +94,14 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     announce(renderer.engine(), config, spec.verify, &why);
     let preparing = begun.elapsed();
     let watch = CommandLine::new(options.progress, "pixels", Some(following));
-    let saved = continued.as_mut().map(Continued::take);
-    let rendered = recipe.render(&mut renderer, saved, &watch).or_else(interrupted)?;
+    let mut saved = continued.as_mut().map(Continued::take);
+    let rendered = recipe.render(&mut renderer, &mut saved, &watch);
     drop(watch);
-    let RenderedPicture { counts, opinion, mut clock, saved } = rendered;
+    let writing = write_state(continued, saved)?;
+    let RenderedPicture { counts, opinion, mut clock } =
+        rendered.or_else(|error| interrupted(error, options.state.as_deref()))?;
     let outlook = outlook(&spec, &scene, (config, options.cells), renderer.engine())?;
-    clock.output += write_state(continued, saved)?;
+    clock.output += writing;
     let seconds =
         [preparing + clock.setup, clock.compute, clock.output].map(|part| part.as_secs_f64());
     let (engine, verified) = (renderer.engine(), spec.verify);
@@ -188,11 +190,12 @@ struct RunSummary<'a> {
     seconds: [f64; 3],
 }
 
-/// Converts an error; a stop has an exit code of its own.
-fn interrupted<T>(error: RenderError) -> anyhow::Result<T> {
-    match error {
-        RenderError::Stopped => Err(Exit::Interrupted.into()),
-        error => Err(error.into()),
+/// Converts an error; a stop has exit codes of its own, with and without a state that was kept.
+fn interrupted<T>(error: RenderError, state: Option<&Path>) -> anyhow::Result<T> {
+    match (error, state) {
+        (RenderError::Stopped, Some(_)) => Err(Exit::Unwritten.into()),
+        (RenderError::Stopped, None) => Err(Exit::Interrupted.into()),
+        (error, _) => Err(error.into()),
     }
 }
 

@@ -193,3 +193,44 @@ fn what_cannot_go_on_is_refused_by_what_differs() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("is not a state"));
     assert_eq!(fs::read_to_string(folder.path().join("s")).unwrap(), "something else");
 }
+
+#[cfg(unix)]
+#[test]
+fn a_render_that_is_stopped_keeps_what_it_has() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+    let folder = tempfile::tempdir().unwrap();
+    let words =
+        "render --engine cpu --size 700x700 --center 1.2,0.7 --width 3 --raw a.npy --state s";
+    let words: Vec<&str> = words.split(' ').collect();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_flipmap"))
+        .current_dir(&folder)
+        .args(&words)
+        .args(["--progress", "json"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let stderr = child.stderr.take().unwrap();
+    let mut lines = std::io::BufRead::lines(std::io::BufReader::new(stderr));
+    // The first line of progress comes after a second of work.
+    let begun = Instant::now();
+    let has_begun = lines.any(|line| line.is_ok_and(|line| line.contains("\"done\"")));
+    assert!(has_begun && begun.elapsed() < Duration::from_secs(60));
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-s", "TERM", &id]).status().unwrap().success());
+    std::thread::spawn(move || lines.for_each(drop));
+    assert_eq!(child.wait().unwrap().code(), Some(75));
+    let files: Vec<_> =
+        fs::read_dir(&folder).unwrap().map(|file| file.unwrap().file_name()).collect();
+    assert_eq!(files, ["s"], "no file is half written");
+    let rest = object(&flipmap(&folder, &[&words[..], &["--json"]].concat()));
+    let plain =
+        "render --engine cpu --size 700x700 --center 1.2,0.7 --width 3 --raw b.npy --samples 1";
+    let whole = object(&flipmap(
+        &folder,
+        &[&plain.split(' ').collect::<Vec<_>>()[..], &["--json"]].concat(),
+    ));
+    assert!(same(&folder, "a.npy", "b.npy"));
+    let spent = |object: &serde_json::Value| object["rhs_evaluations"].as_u64().unwrap();
+    assert!(spent(&rest) < spent(&whole), "{} of {}", spent(&rest), spent(&whole));
+}

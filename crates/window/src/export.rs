@@ -248,7 +248,7 @@ fn run(
     recipe.check()?;
     let starting = |text: &str| set(ExportStage::Starting(text.to_string()));
     let mut renderer = Renderer::try_from(choose(&engine_request, &starting)?)?;
-    recipe.render(&mut renderer, None, &InWindow::new(set, stopped))?;
+    recipe.render(&mut renderer, &mut None, &InWindow::new(set, stopped))?;
     Ok(())
 }
 

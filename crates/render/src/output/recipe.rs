@@ -32,8 +32,6 @@ pub struct RenderedPicture {
     pub opinion: Option<Opinion>,
     /// Time spent on it.
     pub clock: RenderClock,
-    /// Pixels that a later render can resume, if it was asked to save them.
-    pub saved: Option<SavedPixels>,
 }
 
 impl PictureRecipe<'_> {
@@ -47,11 +45,12 @@ impl PictureRecipe<'_> {
     }
 
     /// Computes the samples, paints them and completes the files. `saved` holds the pixels of an
-    /// earlier render, which are resumed; the result then has those of this one.
+    /// earlier render, which are resumed; afterwards it holds those that a later one can resume, also
+    /// if this one was stopped.
     pub fn render(
         &self,
         renderer: &mut Renderer,
-        mut saved: Option<SavedPixels>,
+        saved: &mut Option<SavedPixels>,
         watch: &dyn Watch,
     ) -> Result<RenderedPicture, RenderError> {
         let beginning = Instant::now();
@@ -68,7 +67,7 @@ impl PictureRecipe<'_> {
         let mut done = 0;
         for pass in &passes {
             let at = |samples: u64| watch.keep_going(done + samples, total);
-            self.run_pass(renderer, (&mut sinks, pass), &mut saved, &mut rendered, &at)?;
+            self.run_pass(renderer, (&mut sinks, pass), saved, &mut rendered, &at)?;
             done += samples(pass).iter().sum::<u64>();
         }
         let finishing = Instant::now();
@@ -96,9 +95,9 @@ impl PictureRecipe<'_> {
             work = work.keeping(saved);
         }
         let mut keep_going = |counts: &Counts| keep_going(middles + counts.pixels);
-        render_pass(&mut work, renderer.engine(), sinks, pass, clock, &mut keep_going)?;
+        let done = render_pass(&mut work, renderer.engine(), sinks, pass, clock, &mut keep_going);
         rendered.counts += work.totals();
-        rendered.saved = work.into_kept().or(rendered.saved.take());
-        Ok(())
+        *saved = work.into_kept();
+        Ok(done?)
     }
 }
