@@ -157,7 +157,7 @@ mod tests {
         pictures.of(documents(&["lesson", "home"]), &wake);
         assert!(pictures.texture(&ctx, 0).is_none(), "nothing is computed yet");
         while (0..2).any(|place| pictures.texture(&ctx, place).is_none()) {
-            woken.recv_timeout(Duration::from_secs(60)).unwrap();
+            woken.recv_timeout(Duration::from_secs(300)).unwrap();
             pictures.begin(&wake);
         }
         assert_eq!(pictures.begun, documents(&["lesson", "home"]));
