@@ -154,12 +154,17 @@ impl Document {
         check_format(text)?;
         let syntax = |error: toml::de::Error| DocumentError::Syntax(one_line(&error, text));
         let document: Document = toml::from_str(text).map_err(syntax)?;
-        let axes = document.plane.axes();
-        let origin = document.plane.origin.each_ref();
+        document.in_units().checked().map_err(|error| error.in_line(text))
+    }
+
+    /// Returns the document with its coordinates as decimal numbers in the units of their axes: a
+    /// file may have them as a person writes them.
+    pub(super) fn in_units(self) -> Self {
+        let axes = self.plane.axes();
+        let origin = self.plane.origin.each_ref();
         let origin = [0, 1, 2, 3].map(|i| Axis::OF_STARTS[i].in_unit(&plain_numbers(origin[i])));
-        let plane = Plane { origin, ..document.plane };
-        let document = Document { view: document.view.in_units(axes), plane, ..document };
-        document.checked().map_err(|error| error.in_line(text))
+        let plane = Plane { origin, ..self.plane };
+        Document { view: self.view.in_units(axes), plane, ..self }
     }
 
     /// Checks every number of the scene and of its picture, and guesses an automatic budget.

@@ -92,7 +92,7 @@ impl Keys {
             if !(0.0..=1e6).contains(&key.secs) || key.secs <= before {
                 return Err(KeysError::Time { number, secs: key.secs });
             }
-            key.scene = std::mem::take(&mut key.scene).checked()?;
+            key.scene = std::mem::take(&mut key.scene).in_units().checked()?;
             before = key.secs;
         }
         Ok(keys)
@@ -135,6 +135,8 @@ mod tests {
     fn keys_are_short_where_the_scene_is_the_home_map() {
         let text = "[[key]]\nsecs = 2\n[[key]]\nsecs = 3.5\neasing = \"linear\"\n\
                     [key.scene.view]\nwidth = \"0.1\"\n";
+        let pasted = Keys::parse(&text.replace("\"0.1\"", "\"10deg\"")).unwrap();
+        assert!(pasted.keys[1].scene.view.width.starts_with("0.1745"));
         let keys = Keys::parse(text).unwrap();
         assert_eq!(keys.keys[0].scene, Document::default());
         assert_eq!((keys.keys[1].easing, keys.keys[1].secs), (Easing::Linear, 3.5));

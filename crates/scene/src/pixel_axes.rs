@@ -35,6 +35,16 @@ impl PixelAxes {
         }
     }
 
+    /// Returns the names of the coordinates in a file that also has the question's channels: one that
+    /// a channel has, too, gets `_at_start`.
+    pub fn names_beside(&self, scene: &Scene) -> [String; 2] {
+        let channels = scene.question.ask.kind().channels;
+        self.axes.map(|axis| {
+            let is_taken = channels.iter().any(|channel| channel.name == axis.name());
+            format!("{}{}", axis.name(), if is_taken { "_at_start" } else { "" })
+        })
+    }
+
     /// Returns true if each coordinate changes along one direction only: columns have the first one
     /// and rows the second.
     pub fn is_upright(&self) -> bool {

@@ -21,8 +21,8 @@ pub(super) struct CsvWriter<W: Write> {
 }
 
 impl<W: Write> CsvWriter<W> {
-    /// Writes the names of the columns: the plane's two coordinates, the channels of the question,
-    /// status and trust. Refuses a picture that is too large for a table.
+    /// Writes the names of the columns: the plane's two coordinates, the same from the centre, the
+    /// channels of the question, status and trust. Refuses a picture that is too large for a table.
     pub(super) fn new(
         mut out: W,
         size: [u32; 2],
@@ -37,9 +37,11 @@ impl<W: Write> CsvWriter<W> {
         }
         let axes = PixelAxes::new(&document.scene(), size);
         let known = &document.question.ask.kind().channels[channels.clone()];
-        let names = axes.axes.map(|axis| axis.name());
-        let names = names.into_iter().chain(known.iter().map(|channel| channel.name));
-        let names: Vec<&str> = names.chain(["status", "trust"]).collect();
+        let [x, y] = axes.names_beside(&document.scene());
+        let places = [x.clone(), y.clone(), format!("{x}_from_center"), format!("{y}_from_center")];
+        let known = known.iter().map(|channel| channel.name);
+        let rest = known.chain(["status", "trust"]).map(str::to_string);
+        let names: Vec<String> = places.into_iter().chain(rest).collect();
         writeln!(out, "{}", names.join(","))?;
         Ok(CsvWriter { out, axes, channels, next: 0 })
     }
@@ -51,7 +53,8 @@ impl<W: Write> CsvWriter<W> {
             let [column, row] = [self.next % width, self.next / width].map(|place| place as u32);
             let status = samples.get(index).status;
             let [x, y] = self.axes.coordinates(column, row);
-            write!(self.out, "{x},{y}")?;
+            let [from_x, from_y] = self.axes.offset(column, row);
+            write!(self.out, "{x},{y},{from_x:?},{from_y:?}")?;
             for value in &samples.values(index)[self.channels.clone()] {
                 write!(self.out, ",{}", number_of(status, *value))?;
             }
@@ -96,8 +99,8 @@ mod tests {
         csv.write(&samples.part(0..1)).unwrap();
         csv.write(&samples.part(1..2)).unwrap();
         let text = String::from_utf8(csv.into_inner()).unwrap();
-        let wanted = "theta1,theta2,time,status,trust\n-0.5,0,1.5,answered,agreed\n\
-                      0.5,0,inf,unflipped,unchecked\n";
+        let wanted = "theta1,theta2,theta1_from_center,theta2_from_center,time,status,trust\n\
+                      -0.5,0,-0.5,0.0,1.5,answered,agreed\n0.5,0,0.5,0.0,inf,unflipped,unchecked\n";
         assert_eq!(text, wanted);
         let large = CsvWriter::new(Vec::new(), [3000, 3000], &document, 0..1).err().unwrap();
         assert!(large.to_string().contains("at most 4000000 rows"), "{large}");

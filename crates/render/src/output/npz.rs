@@ -80,7 +80,8 @@ impl<W: Write> NpzWriter<W> {
             begin(&mut zip, &array.name, array.kind, &format!("({height}, {width})"))?;
             io::copy(&mut file, &mut zip)?;
         }
-        for (axis, name) in self.axes.axes.map(|axis| axis.name()).into_iter().enumerate() {
+        let names = self.axes.names_beside(&self.document.scene());
+        for (axis, name) in names.iter().enumerate() {
             let (shape, places) = places(&self.axes, axis);
             let coordinate = |[column, row]: [u32; 2]| self.axes.coordinates(column, row)[axis];
             let offset = |[column, row]: [u32; 2]| self.axes.offset(column, row)[axis];
@@ -156,6 +157,18 @@ mod tests {
     use flipmap_pendulum::{Outcome, Status};
     use std::collections::BTreeMap;
     use std::io::Read;
+
+    #[test]
+    fn coordinates_are_told_from_channels_of_the_same_name() {
+        let mut document = Document::default();
+        document.question.ask = flipmap_scene::question::QuestionName::State;
+        let channels = document.question.ask.kind().channels.len();
+        let npz = NpzWriter::new(Vec::new(), [1, 1], &document, 0..channels).unwrap();
+        let zip = zip::ZipArchive::new(io::Cursor::new(npz.finish().unwrap())).unwrap();
+        for name in ["theta1.npy", "theta1_at_start.npy", "theta2_at_start_from_center.npy"] {
+            assert!(zip.file_names().any(|found| found == name), "{name}");
+        }
+    }
 
     #[test]
     fn arrays_say_what_and_where() {

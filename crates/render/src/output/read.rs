@@ -38,8 +38,11 @@ pub enum ReadError {
         why: DocumentError,
     },
     /// A location that is not a scene.
-    #[error("{0}")]
-    Location(#[from] location::LocationError),
+    #[error("{why}")]
+    Location {
+        /// The cause.
+        why: location::LocationError,
+    },
     /// A picture in a format that carries no scene.
     #[error("{path} carries no scene: of pictures, only a .png that flipmap wrote does")]
     OtherPicture {
@@ -86,7 +89,7 @@ pub fn named_document(name: &str) -> Result<Document, ReadError> {
         match location::parse(name) {
             Ok(scene) => return Ok(Document::default().with_scene(scene)),
             Err(location::LocationError::Foreign) => {}
-            Err(why) => return Err(why.into()),
+            Err(why) => return Err(ReadError::Location { why }),
         }
         if path.extension().is_none() {
             let meant = BuiltIn::like(name)

@@ -98,6 +98,6 @@ impl PictureRecipe<'_> {
         let done = render_pass(&mut work, renderer.engine(), sinks, pass, clock, &mut keep_going);
         rendered.counts += work.totals();
         *saved = work.into_kept();
-        Ok(done?)
+        done
     }
 }

@@ -36,8 +36,9 @@ fn packets(path: &Path) -> Result<u64, FfmpegError> {
         let said = String::from_utf8_lossy(&output.stderr).trim().replace('\n', "; ");
         return Err(FfmpegError::Failed(format!("the film that it wrote cannot be read: {said}")));
     }
+    // A packet's line begins with the number of its stream, which is the only one.
     let lines = output.stdout.split(|byte| *byte == b'\n');
-    Ok(lines.filter(|line| !line.is_empty() && line[0] != b'#').count() as u64)
+    Ok(lines.filter(|line| line.starts_with(b"0,")).count() as u64)
 }
 
 /// Counts the frames of a WebP: its chunks ANMF, or one picture (WebP container specification).

@@ -3,7 +3,8 @@
 
 use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::{Codec, Encoding, FfmpegError, FilmQuality, arguments};
@@ -23,12 +24,7 @@ pub fn tried(
     to: &Path,
 ) -> Result<Encoding, FfmpegError> {
     codec.check(film.size, quality)?;
-    let listed = Command::new("ffmpeg")
-        .args(["-hide_banner", "-encoders"])
-        .stdin(Stdio::null())
-        .output()
-        .map_err(FfmpegError::Missing)?;
-    let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
+    let listed = listed_encoders()?;
     let is_listed = |encoder: &str| listed.split_whitespace().any(|word| word == encoder);
     let mut failure = None;
     for encoder in codec.encoders().iter().copied().filter(|encoder| is_listed(encoder)) {
@@ -43,6 +39,48 @@ pub fn tried(
         Some(why) => FfmpegError::Trial(why),
         None => FfmpegError::Codec(codec.encoders().join(" or "), codec.instead()),
     })
+}
+
+/// Returns what ffmpeg says of its encoders.
+fn listed_encoders() -> Result<String, FfmpegError> {
+    let mut child = Command::new("ffmpeg")
+        .args(["-hide_banner", "-encoders"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .map_err(FfmpegError::Missing)?;
+    let listening = child.stdout.take().map(listened);
+    ended(&mut child)?;
+    Ok(listening.and_then(|thread| thread.join().ok()).unwrap_or_default())
+}
+
+/// Reads all that a child says, on a thread of its own.
+fn listened(mut from: impl Read + Send + 'static) -> JoinHandle<String> {
+    std::thread::spawn(move || {
+        let mut said = Vec::new();
+        // What was said until an error is what is known.
+        let _ = from.read_to_end(&mut said);
+        String::from_utf8_lossy(&said).into_owned()
+    })
+}
+
+/// Waits until a child has ended; ends one that takes too long.
+fn ended(child: &mut Child) -> Result<ExitStatus, FfmpegError> {
+    let begun = Instant::now();
+    loop {
+        match child.try_wait() {
+            Ok(Some(status)) => return Ok(status),
+            Ok(None) if begun.elapsed() < PATIENCE => std::thread::sleep(Duration::from_millis(5)),
+            _ => {
+                // It may have ended a moment ago.
+                let _ = child.kill();
+                let _ = child.wait();
+                let secs = PATIENCE.as_secs();
+                return Err(FfmpegError::Trial(format!("it did not end within {secs} s")));
+            }
+        }
+    }
 }
 
 /// Encodes a black frame to a file that is removed again.
@@ -62,30 +100,10 @@ fn encode_one(encoding: &Encoding, film: &Film, to: &Path) -> Result<(), FfmpegE
     let stdin = child.stdin.take();
     // It may stop reading; its messages and the file then say why.
     let feeding = std::thread::spawn(move || stdin.map(|mut to| to.write_all(&vec![0; bytes])));
-    let stderr = child.stderr.take();
-    let listening = std::thread::spawn(move || {
-        let mut said = String::new();
-        stderr.map(|mut from| from.read_to_string(&mut said));
-        said
-    });
-    let begun = Instant::now();
-    let status = loop {
-        match child.try_wait() {
-            Ok(Some(status)) => break status,
-            Ok(None) if begun.elapsed() < PATIENCE => std::thread::sleep(Duration::from_millis(5)),
-            _ => {
-                // It may have ended a moment ago.
-                let _ = child.kill();
-                let _ = child.wait();
-                return Err(FfmpegError::Trial(format!(
-                    "it did not end within {} s",
-                    PATIENCE.as_secs()
-                )));
-            }
-        }
-    };
+    let listening = child.stderr.take().map(listened);
+    let status = ended(&mut child)?;
     drop(feeding.join());
-    let said = listening.join().unwrap_or_default();
+    let said = listening.and_then(|thread| thread.join().ok()).unwrap_or_default();
     let size = beside.metadata().map_or(0, |found| found.len());
     if status.success() && said.trim().is_empty() && size > 0 {
         return Ok(());
