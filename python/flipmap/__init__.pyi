@@ -2,7 +2,7 @@ import os
 from collections.abc import Callable, Sequence
 from decimal import Decimal
 from enum import IntEnum
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,7 @@ SCENES: tuple[str, ...]
 
 _Number = int | float | str | Decimal
 _Numbers = str | Sequence[_Number]
+_Size = SupportsIndex | Sequence[SupportsIndex]
 _Scene = str | os.PathLike[str] | None
 
 class Status(IntEnum):
@@ -41,13 +42,41 @@ class Map(np.ndarray[Any, Any]):
     def uncertain(self) -> npt.NDArray[np.bool_]: ...
     @property
     def channels(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def axes(self) -> dict[str, npt.NDArray[np.float64]]: ...
+    @property
+    def from_center(self) -> dict[str, npt.NDArray[np.float64]]: ...
+    @property
+    def center(self) -> tuple[str, str]: ...
+    @property
+    def extent(self) -> tuple[float, float, float, float]: ...
+    @property
+    def theta1(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def theta2(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def omega1(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def omega2(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def momentum2(self) -> npt.NDArray[np.float64]: ...
+    def plot(self, ax: Any = None, channel: str | None = None, **options: Any) -> Any: ...
+    def to_xarray(self) -> Any: ...
+
+class Tile(NamedTuple):
+    rows: slice
+    columns: slice
+    scene: str
+    @property
+    def size(self) -> tuple[int, int]: ...
+    def render(self, **options: Any) -> Map: ...
 
 class Trace(np.ndarray[Any, Any]):
     passes: list[Pass]
 
 def render(
     scene: _Scene = None,
-    size: int | tuple[int, int] = (512, 512),
+    size: _Size = (512, 512),
     accuracy: Literal["lesson", "fast", "balanced", "exact"] | None = None,
     *,
     method: str | None = None,
@@ -77,6 +106,36 @@ def render(
     origin: _Numbers | None = None,
     energy: _Number | None = None,
 ) -> Map: ...
+def tiles(
+    scene: _Scene = None,
+    size: _Size = (512, 512),
+    accuracy: Literal["lesson", "fast", "balanced", "exact"] | None = None,
+    *,
+    across: int = 4,
+    down: int = 4,
+    method: str | None = None,
+    step: _Number | None = None,
+    tolerance: _Number | None = None,
+    precision: Literal["f32", "df32", "f64", "dd"] | None = None,
+    verify: bool = False,
+    center: _Numbers | None = None,
+    width: _Number | None = None,
+    rotate: _Number | None = None,
+    stretch: _Number | None = None,
+    budget: _Number | None = None,
+    rule: str | None = None,
+    kind: str | None = None,
+    masses: _Numbers | None = None,
+    lengths: _Numbers | None = None,
+    gravity: _Number | None = None,
+    friction: _Numbers | None = None,
+    ask: str | None = None,
+    at: _Number | None = None,
+    count: int | None = None,
+    plane: str | None = None,
+    origin: _Numbers | None = None,
+    energy: _Number | None = None,
+) -> list[Tile]: ...
 def trace(
     start: _Numbers,
     until: _Number = 30.0,

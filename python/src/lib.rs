@@ -2,18 +2,23 @@
 //! `flipmap/__init__.py`, turns into NumPy arrays.
 
 mod clock;
+mod fork;
 mod map;
+mod place;
 mod scene;
 mod trace;
 
 /// The functions that `flipmap/__init__.py` calls.
 #[pyo3::pymodule]
 mod _flipmap {
-    use flipmap::{BuiltIn, Setting, Status, Trust};
+    use flipmap::{BuiltIn, PictureTable, Setting, Status, Trust};
+    use flipmap_scene::Axis;
     use pyo3::prelude::*;
 
     #[pymodule_export]
     use crate::map::render;
+    #[pymodule_export]
+    use crate::place::{coordinates, frame, part, whole};
     #[pymodule_export]
     use crate::trace::trace;
 
@@ -34,6 +39,9 @@ mod _flipmap {
         module.add("STATUSES", statuses.to_vec())?;
         let trusts = Trust::ALL.map(|(name, trust)| (name.to_uppercase(), trust as u8));
         module.add("TRUSTS", trusts.to_vec())?;
+        let axes = Axis::OF_STARTS.into_iter().chain([Axis::Momentum2]);
+        module.add("AXES", axes.map(Axis::name).collect::<Vec<_>>())?;
+        module.add("MAX_SIDE", PictureTable::MAX_SIDE)?;
         module.add("VERSION", env!("CARGO_PKG_VERSION"))
     }
 }

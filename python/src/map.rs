@@ -3,14 +3,15 @@
 use std::time::Instant;
 
 use flipmap::{
-    Channel, ChoiceError, EngineError, EngineKind, EngineRequest, PictureTable, Renderer, RunSpec,
+    Channel, ChoiceError, Document, EngineError, EngineKind, EngineRequest, Renderer, RunSpec,
     RunTable, Samples,
 };
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyByteArray, PyDict};
 
 use crate::clock::Clock;
+use crate::fork::refuse_after_fork;
 use crate::scene::{document, value_error};
 
 /// Run settings as Python gives them; `None` leaves a choice to the program.
@@ -41,19 +42,33 @@ impl Run {
         }
     }
 
+    fn request(&self, spec: &RunSpec) -> PyResult<EngineRequest> {
+        Ok(EngineRequest {
+            kind: self.kind()?,
+            adapter: self.adapter.clone(),
+            threads: self.threads,
+            setting: spec.setting,
+            verify: spec.verify,
+            ..EngineRequest::default()
+        })
+    }
+
     fn kind(&self) -> PyResult<Option<EngineKind>> {
         match self.engine.as_deref() {
             None => Ok(None),
             Some("cpu") => Ok(Some(EngineKind::Cpu)),
             Some("gpu") => Ok(Some(EngineKind::Gpu)),
-            Some(other) => Err(value_error(format!("engine is '{other}'; it must be cpu or gpu"))),
+            Some(other) => {
+                Err(value_error(format!("`engine` is '{other}'; it must be cpu or gpu")))
+            }
         }
     }
 }
 
-/// Renders a map. Returns a dictionary with bytes: `values` (f64, the channels of each sample),
-/// `statuses` and `trusts` (u8), by rows from the top; and `channels` (names and units), `seconds`,
-/// `engine` and `scene`.
+/// Renders a map. Returns a dictionary with the bytes of its `records` (f64 for each channel, the
+/// status and the trust as u8), by rows from the top; and `channels` (names and units), `seconds`,
+/// `engine` and `scene`. Refuses a map that needs more than `room` bytes, and a
+/// process that was forked after its parent had rendered one.
 #[pyfunction]
 pub(crate) fn render<'py>(
     py: Python<'py>,
@@ -61,71 +76,110 @@ pub(crate) fn render<'py>(
     words: Vec<(String, String)>,
     size: [u32; 2],
     run: Run,
+    room: Option<u64>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let mut document = document(scene, &words)?;
-    if size.iter().any(|side| !(1..=PictureTable::MAX_SIDE).contains(side)) {
-        let range = "each side must be between 1 and 1000000 pixels";
-        return Err(value_error(format!("size is {}x{}; {range}", size[0], size[1])));
-    }
-    let spec = RunSpec::resolve(document.run.overlaid(run.words(size))).map_err(value_error)?;
-    document.run = spec.table.clone();
-    document.view = document.view.fitted(size.map(f64::from));
-    let document = document.settled();
-    let request = EngineRequest {
-        kind: run.kind()?,
-        adapter: run.adapter.clone(),
-        threads: run.threads,
-        setting: spec.setting,
-        verify: spec.verify,
-        ..EngineRequest::default()
-    };
-    let request = request.answering(&document.question);
+    let (document, spec) = settled(scene, &words, size, &run)?;
+    let channels = document.question.ask.kind().channels;
+    check_room(size, channels.len(), room)?;
+    let request = run.request(&spec)?.answering(&document.question);
+    refuse_after_fork()?;
 
     let clock = Clock::new(progress, u64::from(size[0]) * u64::from(size[1]));
     let begun = Instant::now();
-    let rendered = py.detach(|| {
-        let mut renderer = Renderer::new(&request).map_err(choice_error)?;
-        let (config, engine) = (renderer.config(), renderer.engine());
-        let about = format!(
-            "{} ({}): {} in {}",
-            engine.kind(),
-            engine.adapter(),
-            config.method.name(),
-            config.precision
-        );
-        let rendered = renderer.render_while(&document.scene(), size, &clock);
-        let samples = rendered.map_err(failed)?;
-        Ok::<_, PyErr>((samples, about))
-    });
+    let computed = py.detach(|| computed(&request, &document, size, &clock));
     let seconds = begun.elapsed().as_secs_f64();
-    let (samples, engine) = rendered?;
+    let (samples, engine) = computed?;
     clock.finish(py)?;
     let samples = samples.ok_or_else(|| PyRuntimeError::new_err("stopped"))?;
-    let channels = document.question.ask.kind().channels;
 
     let map = PyDict::new(py);
     map.set_item("channels", names(channels))?;
-    map.set_item("values", PyBytes::new(py, &values(&samples)))?;
-    map.set_item("statuses", PyBytes::new(py, &codes(&samples, |k| samples.get(k).status as u8)))?;
-    map.set_item("trusts", PyBytes::new(py, &codes(&samples, |k| samples.trust(k) as u8)))?;
+    map.set_item("records", records(py, &samples)?)?;
     map.set_item("seconds", seconds)?;
     map.set_item("engine", engine)?;
     map.set_item("scene", document.text())?;
     Ok(map)
 }
 
+/// Returns the scene as it is computed in `size` pixels, and the settings of its run.
+pub(crate) fn settled(
+    scene: Option<&str>,
+    words: &[(String, String)],
+    size: [u32; 2],
+    run: &Run,
+) -> PyResult<(Document, RunSpec)> {
+    let mut document = document(scene, words)?;
+    let spec = RunSpec::resolve(document.run.overlaid(run.words(size))).map_err(value_error)?;
+    document.run = spec.table.clone();
+    document.view = document.view.fitted(size.map(f64::from));
+    Ok((document.settled(), spec))
+}
+
+/// Refuses a map that needs more memory than there is, or has more pixels than can be numbered.
+fn check_room([width, height]: [u32; 2], channels: usize, room: Option<u64>) -> PyResult<()> {
+    let pixels = u64::from(width) * u64::from(height);
+    // Samples, and the records made of them.
+    let needed = pixels.saturating_mul(2 * record_bytes(channels) as u64);
+    if let Some(room) = room.filter(|room| needed > *room) {
+        return Err(PyMemoryError::new_err(format!(
+            "`size` is {width}x{height}; the map needs {needed} bytes of memory, and {room} are \
+             available"
+        )));
+    }
+    if u32::try_from(pixels).is_err() {
+        let most = u32::MAX;
+        return Err(value_error(format!(
+            "`size` is {width}x{height}; a map must have at most {most} pixels"
+        )));
+    }
+    Ok(())
+}
+
+/// Returns the samples, or `None` if the clock stopped them, and what computed them.
+fn computed(
+    request: &EngineRequest,
+    document: &Document,
+    size: [u32; 2],
+    clock: &Clock,
+) -> PyResult<(Option<Samples>, String)> {
+    let mut renderer = Renderer::new(request).map_err(choice_error)?;
+    let (config, engine) = (renderer.config(), renderer.engine());
+    let about = format!(
+        "{} ({}): {} in {}",
+        engine.kind(),
+        engine.adapter(),
+        config.method.name(),
+        config.precision
+    );
+    let samples = renderer.render_while(&document.scene(), size, clock).map_err(failed)?;
+    Ok((samples, about))
+}
+
 fn names(channels: &[Channel]) -> Vec<(&'static str, &'static str)> {
     channels.iter().map(|channel| (channel.name, channel.unit)).collect()
 }
 
-/// Returns the bytes of the numbers that `flipmap render --raw` would write.
-fn values(samples: &Samples) -> Vec<u8> {
-    (0..samples.len()).flat_map(|k| samples.numbers(k)).flat_map(f64::to_ne_bytes).collect()
+/// Number of bytes of a record with this many channels, a status and a trust.
+const fn record_bytes(channels: usize) -> usize {
+    channels * size_of::<f64>() + 2
 }
 
-fn codes(samples: &Samples, code: impl Fn(usize) -> u8) -> Vec<u8> {
-    (0..samples.len()).map(code).collect()
+/// Returns the records of the samples: the numbers that `flipmap render --raw` would write, the
+/// status and the trust.
+fn records<'py>(py: Python<'py>, samples: &Samples) -> PyResult<Bound<'py, PyByteArray>> {
+    let length = record_bytes(samples.channels());
+    PyByteArray::new_with(py, samples.len() * length, |bytes| {
+        for (k, record) in bytes.chunks_exact_mut(length).enumerate() {
+            let (values, codes) = record.split_at_mut(length - 2);
+            let places = values.chunks_exact_mut(size_of::<f64>());
+            places.zip(samples.numbers(k)).for_each(|(place, number)| {
+                place.copy_from_slice(&number.to_ne_bytes());
+            });
+            codes.copy_from_slice(&[samples.get(k).status as u8, samples.trust(k) as u8]);
+        }
+        Ok(())
+    })
 }
 
 fn choice_error(error: ChoiceError) -> PyErr {
@@ -138,6 +192,7 @@ fn choice_error(error: ChoiceError) -> PyErr {
 fn failed(error: EngineError) -> PyErr {
     match error {
         EngineError::Unsupported(why) => value_error(why),
+        EngineError::Setting(error) => value_error(error),
         other => PyRuntimeError::new_err(other.to_string()),
     }
 }

@@ -103,7 +103,7 @@ def test_a_map_knows_its_scene_again(tmp_path):
         ({"center": 1}, ValueError, "two numbers"),
         ({"scene": "filigre"}, ValueError, "did you mean filigree"),
         ({"scene": "/nowhere/a.toml"}, ValueError, "/nowhere/a.toml"),
-        ({"scene": "[view]\nwidth = 3"}, ValueError, "line 2"),
+        ({"scene": "[view]\nwidth = -3"}, ValueError, "line 2"),
         ({"size": 0}, ValueError, "between 1 and 1000000"),
         ({"accuracy": "best"}, ValueError, "`accuracy`"),
         ({"engine": "abacus"}, ValueError, "cpu or gpu"),
@@ -166,6 +166,11 @@ def test_the_stubs_name_every_word_and_code():
     of = {node.name: node for node in stubs.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
     arguments = {argument.arg for argument in of["render"].args.kwonlyargs}
     assert set(flipmap._flipmap.WORDS) <= arguments
+    cut = {argument.arg for argument in of["tiles"].args.kwonlyargs}
+    assert arguments - cut == {"engine", "adapter", "threads", "progress"}
+    assert cut - arguments == {"across", "down"}
+    written = {line.name for line in of["Map"].body if isinstance(line, ast.FunctionDef)}
+    assert written == {name for name in vars(flipmap.Map) if name[0] != "_"}
     for codes in (Status, Trust):
         written = {line.targets[0].id: line.value.value for line in of[codes.__name__].body}
         assert written == {code.name: code.value for code in codes}
