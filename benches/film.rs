@@ -10,7 +10,6 @@ use flipmap_engine::depth::DepthEngine;
 use flipmap_engine::level::BALANCED;
 use flipmap_render::farm::{Parts, Plan, PlannedOutput, Task, run};
 use flipmap_render::film::FilmRecipe;
-use flipmap_render::film::ffmpeg::FilmQuality;
 use flipmap_render::tiles::Work;
 use flipmap_render::tiles::preview::preview;
 use flipmap_scene::film::Film;
@@ -70,8 +69,8 @@ fn whole(film: &Film) -> (u64, f64, f64) {
     let begun = Instant::now();
     let mut parts = Parts::scan(&task.folder, task.forms()).expect("parts");
     let (document, output) = (&film.keys[0].scene, &folder.path().join("frames"));
-    let recipe = FilmRecipe { film, document, output, quality: FilmQuality::default() };
-    recipe.merge(&task, &mut parts, &|_, _| true).expect("frames");
+    let recipe = FilmRecipe { film, document, output };
+    recipe.merge(None, &task, &mut parts, &|_, _| true).expect("frames");
     (task.samples(), computing, begun.elapsed().as_secs_f64())
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use flipmap_engine::choice::{Chosen, EngineRequest};
 use flipmap_render::farm::{self, OpenChoices, Parts, Plan, RunError, Task, TaskKind};
-use flipmap_render::film::ffmpeg::{Codec, FilmQuality};
+use flipmap_render::film::ffmpeg::{Codec, Encoding, FilmQuality};
 use flipmap_render::film::{self, FilmRecipe, FilmRenderError};
 use flipmap_render::output::{read_text, shell_word};
 use flipmap_render::tiles::Renderer;
@@ -118,7 +118,7 @@ pub(super) fn lacks(missing: &[u32], task: &Task, plan: &Path, from: u32) -> Exi
 /// Where a film goes, how it is encoded, and how progress is shown.
 pub(super) struct FilmOutput<'a> {
     pub path: &'a Path,
-    pub quality: FilmQuality,
+    pub encoding: Option<Encoding>,
     pub mode: Mode,
 }
 
@@ -140,10 +140,10 @@ pub(super) fn paint(
     } else {
         document = document.checked()?;
     }
-    let FilmOutput { path: output, quality, mode } = *to;
-    let recipe = FilmRecipe { film, document: &document, output, quality };
+    let FilmOutput { path: output, encoding, mode } = *to;
+    let recipe = FilmRecipe { film, document: &document, output };
     let watch = CommandLine::new(mode, "frames", None);
-    let painted = recipe.merge(task, &mut parts, &watch);
+    let painted = recipe.merge(encoding, task, &mut parts, &watch);
     drop(watch);
     painted.map_err(|error| match error {
         // Written frames are not made again; a film in one file is made anew.
@@ -203,9 +203,9 @@ fn spread(
     Ok(())
 }
 
-/// Rejects a film that could not be painted or written.
-pub(super) fn check(recipe: &FilmRecipe) -> anyhow::Result<()> {
-    recipe.check().map_err(|error| match error {
+/// Rejects a film that could not be painted or written; returns how a file is encoded.
+pub(super) fn check(recipe: &FilmRecipe, quality: FilmQuality) -> anyhow::Result<Option<Encoding>> {
+    recipe.check(quality).map_err(|error| match error {
         FilmRenderError::Ffmpeg(why) => Exit::usage(&why).into(),
         FilmRenderError::Picture(why) => why.into(),
         error => error.into(),

@@ -17,13 +17,8 @@ use super::{farm, stop, video};
 pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyhow::Result<()> {
     check(options, film)?;
     let document = film.keys[0].scene.clone().checked()?;
-    let recipe = FilmRecipe {
-        film,
-        document: &document,
-        output: &options.output,
-        quality: options.quality.into(),
-    };
-    farm::check(&recipe)?;
+    let recipe = FilmRecipe { film, document: &document, output: &options.output };
+    let encoding = farm::check(&recipe, options.quality.into())?;
     let request =
         options.film.run.engine.request(spec.setting, spec.verify).answering(&document.question);
     let chosen = start(&request)?;
@@ -31,7 +26,7 @@ pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyh
     check_film(film, chosen.config)?;
     let mut renderer = Renderer::try_from(chosen)?;
     let watch = CommandLine::new(options.progress, "frames", None);
-    let made = recipe.render(&mut renderer, &watch);
+    let made = recipe.render(encoding, &mut renderer, &watch);
     drop(watch);
     made.map_err(|error| match error {
         FilmRenderError::Stopped => Exit::Again.into(),

@@ -22,7 +22,7 @@ pub(super) struct SceneOptions {
 }
 
 /// Options that change single values of a scene: one for each setting in the table, in its order.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct SceneWords(Vec<(Setting, String)>);
 
 impl Args for SceneWords {

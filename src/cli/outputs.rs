@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use flipmap_render::output::{Paths, is_stdout};
+use flipmap_scene::BuiltIn;
 
 use super::exit::Exit;
 use super::option_names::by_option;
@@ -12,6 +13,8 @@ use super::same_file::{Named, keep_apart, one_stream};
 
 /// Name of the scene that is rendered if none is named.
 const HOME: &str = "home";
+/// Name of the picture of a scene without a name.
+const NAMELESS: &str = "map";
 
 /// Options that name the output files.
 #[derive(Args, Clone, Debug)]
@@ -58,8 +61,11 @@ impl OutputOptions {
         if !self.paths().named().is_empty() {
             return Ok(self.clone());
         }
-        let name = Path::new(scene.unwrap_or(HOME)).file_stem().unwrap_or(HOME.as_ref());
-        let picture = Path::new(name).with_added_extension("png");
+        let scene = scene.unwrap_or(HOME);
+        // Standard input and locations have no name.
+        let is_named = BuiltIn::named(scene).is_some() || Path::new(scene).is_file();
+        let name = Path::new(scene).file_stem().filter(|_| is_named);
+        let picture = Path::new(name.unwrap_or(NAMELESS.as_ref())).with_added_extension("png");
         if picture.exists() {
             let file = picture.display();
             return Err(Exit::Usage(format!("{file} is there already: name the picture with -o")));

@@ -235,10 +235,10 @@ pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<()> {
             };
             codec_of(output)?;
             spares_parts(&task.folder, &paths)?;
-            let (document, quality) = (&film.keys[0].scene, options.quality.into());
-            farm::check(&FilmRecipe { film, document, output, quality })?;
+            let recipe = FilmRecipe { film, document: &film.keys[0].scene, output };
+            let encoding = farm::check(&recipe, options.quality.into())?;
             let parts = farm::complete(&task, &options.plan)?;
-            let output = farm::FilmOutput { path: output, quality, mode: options.progress };
+            let output = farm::FilmOutput { path: output, encoding, mode: options.progress };
             farm::paint(&task, parts, &options.picture, &output)
         }
         TaskKind::Still(document, passes) => merge_still(&task, document, passes, options),

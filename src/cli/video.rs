@@ -71,8 +71,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         return frames::run(options, &film, &spec);
     }
     let document = &film.keys[0].scene;
-    let (output, quality) = (options.output.as_path(), options.quality.into());
-    farm::check(&FilmRecipe { film: &film, document, output, quality })?;
+    let output = options.output.as_path();
+    let recipe = FilmRecipe { film: &film, document, output };
+    let encoding = farm::check(&recipe, options.quality.into())?;
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
     prepare(&cache, options)?;
     let path = cache.join("plan.toml");
@@ -90,7 +91,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         Some(parts) => parts,
         None => farm::complete(&task, &path)?,
     };
-    let output = farm::FilmOutput { path: output, quality, mode: options.progress };
+    let output = farm::FilmOutput { path: output, encoding, mode: options.progress };
     farm::paint(&task, parts, &options.film.picture, &output)
 }
 

@@ -102,6 +102,9 @@ fn a_map_without_a_name_is_called_home() {
     let small = &SMALL.split(' ').collect::<Vec<_>>()[..];
     assert!(flipmap(&folder, small).status.success());
     assert_eq!(names_in(&folder), ["home.png"]);
+    let location = flipmap(&folder, &[small, &["flipmap:center=1,2;width=0.5"]].concat());
+    assert!(location.status.success(), "{}", error_of(&location));
+    assert_eq!(names_in(&folder), ["home.png", "map.png"]);
     let again = flipmap(&folder, small);
     assert!(error_of(&again).contains("home.png is there already"), "{}", error_of(&again));
     let wrong = flipmap(&folder, &[small, &["--accuracy", "exac"]].concat());

@@ -1,6 +1,6 @@
 //! Names colours in plain words, for texts that must be true for any palette.
 
-use flipmap_scene::palette::Rgb;
+use flipmap_scene::palette::{Rgb, hue_deg};
 
 /// Upper ends of the hues with each name, in degrees, ascending.
 const HUES: [(f64, &str); 9] = [
@@ -30,14 +30,8 @@ pub(super) fn colour_words(rgb: Rgb) -> String {
         let step = steps.into_iter().find(|(up_to, _)| most < *up_to);
         return step.map_or("white", |(_, words)| words).to_string();
     }
-    let sixth = if most == r {
-        ((g - b) / chroma).rem_euclid(6.0)
-    } else if most == g {
-        (b - r) / chroma + 2.0
-    } else {
-        (r - g) / chroma + 4.0
-    };
-    let hue = HUES.into_iter().find(|(up_to, _)| 60.0 * sixth <= *up_to);
+    let degrees = hue_deg([r, g, b]);
+    let hue = HUES.into_iter().find(|(up_to, _)| degrees <= *up_to);
     let hue = hue.map_or("red", |(_, name)| name);
     let depth = match (most, least) {
         (most, _) if most < 140.0 => "dark ",

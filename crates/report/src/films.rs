@@ -211,11 +211,12 @@ impl Bench<'_> {
         let film_samples = planned(long_film(), backend.engine(), folder.path())?.samples();
         let film = PAINTED.film();
         let (task, _) = self.sampled(film.clone(), backend, folder.path())?;
+        let (document, output) = (&film.keys[0].scene, &folder.path().join("film.mp4"));
+        let recipe = FilmRecipe { film: &film, document, output };
+        let encoding = recipe.check(FilmQuality::default())?;
         let begun = Instant::now();
         let mut parts = Parts::scan(&task.folder, task.forms())?;
-        let (document, output) = (&film.keys[0].scene, &folder.path().join("film.mp4"));
-        let recipe = FilmRecipe { film: &film, document, output, quality: FilmQuality::default() };
-        recipe.merge(&task, &mut parts, &|_, _| !(self.stop)())?;
+        recipe.merge(encoding, &task, &mut parts, &|_, _| !(self.stop)())?;
         Ok(PaintingRow { film_samples, frames: film.frames, secs: begun.elapsed().as_secs_f64() })
     }
 

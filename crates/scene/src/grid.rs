@@ -217,8 +217,7 @@ impl Grid {
 
     /// Returns the offset of a pixel's middle from the centre, to the right and upwards, in pixels.
     fn pixels_from_center(&self, column: u32, row: u32) -> [f64; 2] {
-        let [width, height] = self.size.map(f64::from);
-        [f64::from(column) + 0.5 - width / 2.0, height / 2.0 - f64::from(row) - 0.5]
+        pixels_from_center(self.size, column, row)
     }
 
     /// Returns the distance from the middle of a pixel to the energy curve in pixels, to first
@@ -332,6 +331,13 @@ impl Grid {
         let (pendulum, start) = (&self.reduced.0, self.exact_reduced(column, row));
         start.is_some_and(|start| pendulum.forbids_depth(self.rule, -pendulum.energy(&start)))
     }
+}
+
+/// Returns the distance of a pixel's middle from that of a picture of `size`, in pixels to the right
+/// and upwards.
+pub(super) fn pixels_from_center(size: [u32; 2], column: u32, row: u32) -> [f64; 2] {
+    let [width, height] = size.map(f64::from);
+    [f64::from(column) + 0.5 - width / 2.0, height / 2.0 - f64::from(row) - 0.5]
 }
 
 #[cfg(test)]

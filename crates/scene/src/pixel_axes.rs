@@ -1,5 +1,6 @@
 //! Where the pixels of a picture lie: the coordinates of the plane along its columns and rows.
 
+use super::grid::pixels_from_center;
 use super::{Axis, Grid, Scene};
 use flipmap_numbers::Scalar;
 
@@ -73,8 +74,7 @@ impl PixelAxes {
 
     /// Returns the distance of a pixel's middle from the centre; row 0 is at the top.
     pub fn offset(&self, column: u32, row: u32) -> [f64; 2] {
-        let [width, height] = self.size.map(f64::from);
-        let [x, y] = [f64::from(column) + 0.5 - width / 2.0, height / 2.0 - f64::from(row) - 0.5];
+        let [x, y] = pixels_from_center(self.size, column, row);
         [0, 1].map(|i| x * self.right[i] + y * self.up[i])
     }
 

@@ -3,10 +3,9 @@
 use super::camera::Camera;
 use super::state::AppState;
 use super::view_samples;
-use flipmap_pendulum::Status;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::Scene;
-use flipmap_scene::palette::{Tones, ViewTimes};
+use flipmap_scene::palette::Tones;
 
 /// Time in s between two looks at a view that is not complete.
 const PAUSE_SECS: f64 = 0.5;
@@ -34,11 +33,7 @@ impl TimesInView {
         if self.of.is_some() && (waits || (complete && self.of == of)) {
             return &self.times_secs;
         }
-        let screen = state.screen();
-        let size = ViewTimes::grid(screen.size.to_array().map(|side| side as u32));
-        let known = view_samples::grid(&screen, explorer, size).into_iter().flatten();
-        let flipped = known.filter(|outcome| outcome.status == Status::Answered);
-        self.times_secs = flipped.map(|outcome| outcome.time).collect();
+        self.times_secs = view_samples::spread_times(&state.screen(), explorer);
         (self.of, self.at_secs) = (of, state.now_secs);
         &self.times_secs
     }

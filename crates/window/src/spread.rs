@@ -1,9 +1,8 @@
 //! The colours of a view that is narrower than the home map, spread over its own times.
 
-use super::camera::{Camera, Screen};
+use super::camera::Camera;
 use super::state::AppState;
 use super::view_samples;
-use flipmap_pendulum::Status;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::palette::{ViewTimes, budget_range_secs};
 
@@ -60,7 +59,8 @@ impl ColourSpread {
             // Another palette or a step of the history may have come without them.
             return paint(state, spread.times.clone());
         }
-        let times = times(&state.screen(), explorer);
+        let times = view_samples::spread_times(&state.screen(), explorer);
+        let times = ViewTimes::new(times.into_iter());
         let (unit_secs, budget_secs) = (state.build.unit_secs(), state.question.budget.secs);
         let budget_range_secs = budget_range_secs(unit_secs, budget_secs);
         let weight = ViewTimes::weight(camera.width_rad);
@@ -99,12 +99,4 @@ fn paint(state: &mut AppState, times: Vec<f64>) -> bool {
     let differ = state.picture.times != times;
     state.picture.times = times;
     differ
-}
-
-/// Returns the known flip times at the places of the view's small picture.
-fn times(screen: &Screen, explorer: &mut Explorer) -> ViewTimes {
-    let size = ViewTimes::grid(screen.size.to_array().map(|side| side as u32));
-    let known = view_samples::grid(screen, explorer, size).into_iter().flatten();
-    let flipped = known.filter(|outcome| outcome.status == Status::Answered);
-    ViewTimes::new(flipped.map(|outcome| outcome.time))
 }

@@ -9,7 +9,7 @@ use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::output::Picture;
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_scene::lattice::Cell;
-use flipmap_scene::palette::AnswerColours;
+use flipmap_scene::palette::{AnswerColours, ViewTimes};
 
 /// Width and height of a bookmark's picture in pixels.
 const THUMBNAIL: [u32; 2] = [192, 144];
@@ -43,6 +43,14 @@ pub(crate) fn grid(
     let point =
         |place: [u32; 2]| DVec2::from(place.map(|k| f64::from(k) + 0.5)) * step - 0.5 * screen.size;
     places.map(|place| outcome(screen, explorer, point(place))).collect()
+}
+
+/// Returns the known flip times in s at the places of the view's small picture.
+pub(crate) fn spread_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
+    let size = ViewTimes::grid(screen.size.to_array().map(|side| side as u32));
+    let known = grid(screen, explorer, size).into_iter().flatten();
+    let flipped = known.filter(|outcome| outcome.status == Status::Answered);
+    flipped.map(|outcome| outcome.time).collect()
 }
 
 /// Returns what is shown as a small picture; it is grey if the question cannot be painted.

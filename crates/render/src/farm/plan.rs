@@ -263,11 +263,13 @@ mod tests {
         assert!(refused("gravity = 9.81", "gravity = 1.62").contains("was changed"));
         let misspelt = refused("shards = 8", "chards = 8");
         assert!(
-            misspelt.contains("is not a plan: line 4, column 1: unknown field 'chards'"),
+            misspelt.contains(
+                "is not a plan: line 4, column 1: unknown key 'chards'; it must be one of"
+            ),
             "{misspelt}"
         );
         let wrong = refused("shards = 8", "shards = true");
-        assert!(wrong.contains("is not a plan: line 4, column 10: invalid type"), "{wrong}");
+        assert!(wrong.contains("is not a plan: line 4, column 10: it is the boolean 'true'; it must be a whole number"), "{wrong}");
         assert!(refused("shards = 8", "shards = 9").contains("a checksum of the whole"));
         assert!(Plan::parse("width = 3").unwrap_err().to_string().contains("is not a plan"));
     }

@@ -53,29 +53,24 @@ pub struct FilmRecipe<'a> {
     pub document: &'a Document,
     /// File or folder to write.
     pub output: &'a Path,
-    /// Quality of a lossy film.
-    pub quality: FilmQuality,
 }
 
 impl FilmRecipe<'_> {
-    /// Refuses a film that could not be painted or written, before an engine is started.
-    pub fn check(&self) -> Result<(), FilmRenderError> {
+    /// Refuses a film that could not be painted or written, before an engine is started. Returns how
+    /// a file is encoded, after a trial on one frame; none for a folder.
+    pub fn check(&self, quality: FilmQuality) -> Result<Option<Encoding>, FilmRenderError> {
         legend(self.film, &self.document.picture)?;
         FilmSink::check(self.output)?;
-        self.encoding().map(drop)
-    }
-
-    /// Returns how the film is encoded, after a trial on one frame; none for a folder.
-    pub fn encoding(&self) -> Result<Option<Encoding>, FilmRenderError> {
         let codec = Codec::of(self.output);
-        let tried = codec.map(|codec| tried(codec, self.quality, self.film, self.output));
-        Ok(tried.transpose()?)
+        Ok(codec.map(|codec| tried(codec, quality, self.film, self.output)).transpose()?)
     }
 
-    /// Computes and writes the film frame by frame, and skips frames that are there already. If
-    /// they are states at advancing times, every pendulum is followed only once.
+    /// Computes and writes the film frame by frame, with the encoding that [`Self::check`] has
+    /// returned, and skips frames that are there already. If they are states at advancing times,
+    /// every pendulum is followed only once.
     pub fn render(
         &self,
+        encoding: Option<Encoding>,
         renderer: &mut Renderer,
         watch: &dyn Watch,
     ) -> Result<(), FilmRenderError> {
@@ -86,7 +81,7 @@ impl FilmRecipe<'_> {
             let job_size = renderer.engine().job_size();
             Moments::new(&film.shot(0).scene, size, config, job_size)
         });
-        self.write(watch, &mut |frame, shot| {
+        self.write(encoding, watch, &mut |frame, shot| {
             let goes_on = || watch.keep_going(u64::from(frame), u64::from(film.frames));
             let mut painter = RowPainter::new(&shot.scene, film.size, picture)?;
             if let Some(moments) = &mut moments {
@@ -99,22 +94,28 @@ impl FilmRecipe<'_> {
         })
     }
 
-    /// Paints and writes the film from the complete parts of its task, and skips frames that are
-    /// there already.
+    /// Paints and writes the film from the complete parts of its task, with the encoding that
+    /// [`Self::check`] has returned, and skips frames that are there already.
     pub fn merge(
         &self,
+        encoding: Option<Encoding>,
         task: &Task,
         parts: &mut Parts,
         watch: &dyn Watch,
     ) -> Result<(), FilmRenderError> {
         let mut paint = frames(task, &self.document.picture, parts)?;
-        self.write(watch, paint.as_mut())
+        self.write(encoding, watch, paint.as_mut())
     }
 
     /// Writes the frames that are not there yet, each with the pixels that `paint` returns.
-    fn write(&self, watch: &dyn Watch, paint: &mut FramePixels) -> Result<(), FilmRenderError> {
+    fn write(
+        &self,
+        encoding: Option<Encoding>,
+        watch: &dyn Watch,
+        paint: &mut FramePixels,
+    ) -> Result<(), FilmRenderError> {
         let film = self.film;
-        let mut sink = FilmSink::open(self.output, film, self.document, self.encoding()?)?;
+        let mut sink = FilmSink::open(self.output, film, self.document, encoding)?;
         for frame in 0..film.frames {
             let shot = film.shot(frame);
             if sink.has(frame, &shot) {

@@ -7,6 +7,7 @@ use std::io::{self, BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 pub use super::comparison::Comparison;
+use super::ending::ends_in;
 use super::npy::{NpyNumbers, npy_shape};
 use super::picture_rows::PictureRows;
 use super::whole_png::check_whole_png;
@@ -135,8 +136,7 @@ impl ResultRows {
         let unreadable = |source| CompareError::File { path: path.to_path_buf(), source };
         let foreign = |why: String| CompareError::Kind { path: path.to_path_buf(), why };
         let file = BufReader::new(open_plain(path).map_err(unreadable)?);
-        let is_png = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-        let (size, kind) = if is_png {
+        let (size, kind) = if ends_in(path, "png") {
             let whole = open_plain(path).and_then(|file| check_whole_png(BufReader::new(file)));
             let rows = PictureRows::open(file).map_err(foreign)?;
             whole.map_err(unreadable)?;

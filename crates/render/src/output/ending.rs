@@ -5,11 +5,16 @@ use std::path::Path;
 
 use super::safe::is_device;
 
+/// Returns true if a name has this extension, in any case.
+pub(super) fn ends_in(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending))
+}
+
 /// Refuses a name whose extension is none of these, which are in lower case. Names without an
 /// extension, `-`, pipes and devices can be anything.
 pub fn check_ending(path: &Path, endings: &[&str]) -> io::Result<()> {
     let Some(ending) = path.extension().filter(|_| !is_device(path)) else { return Ok(()) };
-    if endings.iter().any(|known| ending.eq_ignore_ascii_case(known)) {
+    if endings.iter().any(|known| ends_in(path, known)) {
         return Ok(());
     }
     let known: Vec<String> = endings.iter().map(|known| format!(".{known}")).collect();

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::ending::ends_in;
 use flipmap_engine::plain_file::{MAX_TEXT_BYTES, read_plain};
 use flipmap_scene::palette::gradient::list_text;
 use flipmap_scene::palette::gradient_file::{ENDINGS, GradientFileError, parse_file};
@@ -30,8 +31,7 @@ pub enum GradientError {
 
 /// Returns the extension of a gradient file; `None` for other files.
 fn ending_of(path: &Path) -> Option<&'static str> {
-    let found = path.extension()?;
-    ENDINGS.into_iter().find(|ending| found.eq_ignore_ascii_case(ending))
+    ENDINGS.into_iter().find(|ending| ends_in(path, ending))
 }
 
 /// Returns the path of a gradient file and the name of the gradient in it, of a text such as

@@ -4,6 +4,7 @@
 use std::io::{self, BufRead, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
 
+use super::ending::ends_in;
 use super::png::{PngError, document_in_png};
 use flipmap_engine::plain_file::{MAX_TEXT_BYTES, open_plain};
 use flipmap_scene::palette::gradient_file::ENDINGS;
@@ -124,8 +125,7 @@ fn document_in(mut file: impl BufRead + Seek, path: &Path) -> Result<Document, R
     let named = || path.to_path_buf();
     let unreadable = |why| ReadError::File { path: named(), why };
     let begins = file.fill_buf().map_err(unreadable)?;
-    let ends_in = |ending| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
-    if begins.starts_with(PNG) || ends_in("png") {
+    if begins.starts_with(PNG) || ends_in(path, "png") {
         return document_in_png(file).map_err(|why| ReadError::Picture { path: named(), why });
     }
     if image::guess_format(begins).is_ok() {
@@ -133,7 +133,7 @@ fn document_in(mut file: impl BufRead + Seek, path: &Path) -> Result<Document, R
     }
     let mut bytes = Vec::new();
     file.take(MAX_TEXT_BYTES).read_to_end(&mut bytes).map_err(unreadable)?;
-    let is_scene = ends_in("toml");
+    let is_scene = ends_in(path, "toml");
     let text = match String::from_utf8(bytes) {
         Ok(text) if is_scene || !text.trim().is_empty() => text,
         Err(_) if is_scene => {

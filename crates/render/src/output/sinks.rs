@@ -8,6 +8,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::csv::CsvWriter;
+use super::ending::ends_in;
 use super::failure::{OutputError, is_broken_pipe};
 use super::npz::NpzWriter;
 use super::paths::{OutputKind, Paths};
@@ -83,12 +84,10 @@ impl Sink {
             }
             OutputKind::Raw => {
                 let (file, channels) = (file()?, channels_of(document));
-                let ends_in =
-                    |ending| path.extension().is_some_and(|it| it.eq_ignore_ascii_case(ending));
-                if ends_in("npz") {
+                if ends_in(path, "npz") {
                     let npz = NpzWriter::new(file, size, document, channels);
                     Sink::Arrays(Box::new(npz.map_err(failed)?))
-                } else if ends_in("csv") {
+                } else if ends_in(path, "csv") {
                     let csv = CsvWriter::new(file, size, document, channels);
                     Sink::Table(Box::new(csv.map_err(refused)?))
                 } else {

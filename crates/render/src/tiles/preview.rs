@@ -16,7 +16,7 @@ pub fn preview(
     engine: &mut dyn Engine,
     keep_going: &dyn Fn(&Counts) -> bool,
 ) -> Result<Option<Samples>, EngineError> {
-    let mut all = Samples::unanswered((size[0] * size[1]) as usize, work.channels());
+    let mut all = Samples::unanswered(size[0] as usize * size[1] as usize, work.channels());
     while !work.is_done() {
         if !keep_going(&work.counts()) {
             engine.cancel();

@@ -4,6 +4,7 @@ mod answers;
 pub mod gradient;
 pub mod gradient_file;
 mod ground;
+mod hsv;
 mod legend;
 mod oklab;
 mod random;
@@ -16,6 +17,7 @@ mod tones;
 
 pub use answers::AnswerColours;
 pub use ground::{Ground, GroundTable, colour_text};
+pub use hsv::hue_deg;
 pub use legend::LegendTitle;
 pub use random::random_palette;
 pub use relief::Relief;

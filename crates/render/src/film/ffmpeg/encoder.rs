@@ -2,11 +2,11 @@
 
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, Command, Stdio};
+use std::process::{Child, ChildStderr};
 use std::thread::JoinHandle;
 
 use super::count::frames_in;
-use super::{Codec, Encoding, FfmpegError, arguments};
+use super::{Codec, Encoding, FfmpegError, spawned};
 use crate::output::{Destination, SafeFile};
 use flipmap_scene::film::Film;
 
@@ -43,13 +43,7 @@ impl Encoder {
         let unwritable = |source| FfmpegError::File { path: path.to_path_buf(), source };
         let file = SafeFile::create(&Destination::from(path)).map_err(unwritable)?;
         let beside = file.beside().ok_or_else(|| unwritable(no_plain_file()))?;
-        let mut child = Command::new("ffmpeg")
-            .args(arguments(encoding, film, beside))
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .map_err(FfmpegError::Missing)?;
+        let mut child = spawned(encoding, film, beside)?;
         let errors = child.stderr.take().map(|stderr| std::thread::spawn(|| last_lines(stderr)));
         Ok(Encoder {
             child,

@@ -12,6 +12,7 @@ mod trial;
 use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
 
 pub use codec::{Codec, Encoding, FilmQuality};
 pub(super) use encoder::Encoder;
@@ -57,6 +58,17 @@ pub enum FfmpegError {
         /// The cause.
         source: io::Error,
     },
+}
+
+/// Starts ffmpeg, which reads frames from its standard input and says what fails on standard error.
+fn spawned(encoding: &Encoding, film: &Film, to: &Path) -> Result<Child, FfmpegError> {
+    Command::new("ffmpeg")
+        .args(arguments(encoding, film, to))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(FfmpegError::Missing)
 }
 
 /// Returns the arguments with which ffmpeg writes `film` to `to`, reading frames from standard

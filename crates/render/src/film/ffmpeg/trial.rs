@@ -7,7 +7,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::{Codec, Encoding, FfmpegError, FilmQuality, arguments};
+use super::{Codec, Encoding, FfmpegError, FilmQuality, spawned};
 use crate::output::{Destination, SafeFile};
 use flipmap_scene::film::Film;
 
@@ -89,13 +89,7 @@ fn encode_one(encoding: &Encoding, film: &Film, to: &Path) -> Result<(), FfmpegE
     let file = SafeFile::create(&Destination::from(to)).map_err(unwritable)?;
     // A pipe or a device has been refused before.
     let Some(beside) = file.beside() else { return Ok(()) };
-    let mut child = Command::new("ffmpeg")
-        .args(arguments(encoding, film, beside))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .map_err(FfmpegError::Missing)?;
+    let mut child = spawned(encoding, film, beside)?;
     let bytes = film.size.map(|side| side as usize).iter().product::<usize>() * 3;
     let stdin = child.stdin.take();
     // It may stop reading; its messages and the file then say why.

@@ -2,8 +2,8 @@
 //! either end (GMT's documentation, "Color palette tables").
 
 use super::super::gradient::Stop;
+use super::super::hsv::rgb_of;
 use super::super::{Rgb, parse_colour};
-use super::hsv::rgb_of;
 use super::{GradientFileError, bad_line, lines};
 
 const WANTED: &str = "a slice: value, colour, value, colour, the colours as 255/128/0, 255 128 0, \

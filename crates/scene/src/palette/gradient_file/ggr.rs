@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::super::Rgb;
 use super::super::gradient::{Stop, colour_at};
-use super::hsv::{hsv_of, rgb_of};
+use super::super::hsv::{hsv_of, rgb_of};
 use super::{GradientFileError, bad_line, lines};
 
 /// A segment from one place to the next.

@@ -2,7 +2,6 @@
 
 mod cpt;
 mod ggr;
-mod hsv;
 mod rows;
 mod ugr;
 

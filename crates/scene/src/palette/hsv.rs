@@ -1,11 +1,13 @@
-//! Hue, saturation and value, each in [0, 1], as gradient files have them.
+//! Hue, saturation and value: for the names of colours, and as gradient files have them, each in
+//! [0, 1].
 
-/// Returns hue, saturation and value of a colour.
-pub(super) fn hsv_of([r, g, b]: [f64; 3]) -> [f64; 3] {
+/// Returns the hue of a colour in degrees, with red at 0 and green at 120; its channels may have any
+/// scale. A grey has the hue 0.
+pub fn hue_deg([r, g, b]: [f64; 3]) -> f64 {
     let most = r.max(g).max(b);
     let chroma = most - r.min(g).min(b);
     if chroma <= 0.0 {
-        return [0.0, 0.0, most];
+        return 0.0;
     }
     let sixth = if most == r {
         ((g - b) / chroma).rem_euclid(6.0)
@@ -14,7 +16,14 @@ pub(super) fn hsv_of([r, g, b]: [f64; 3]) -> [f64; 3] {
     } else {
         (r - g) / chroma + 4.0
     };
-    [sixth / 6.0, chroma / most, most]
+    60.0 * sixth
+}
+
+/// Returns hue, saturation and value of a colour.
+pub(super) fn hsv_of(rgb: [f64; 3]) -> [f64; 3] {
+    let [most, least] = [f64::max, f64::min].map(|pick| pick(pick(rgb[0], rgb[1]), rgb[2]));
+    let saturation = if most > least { (most - least) / most } else { 0.0 };
+    [hue_deg(rgb) / 360.0, saturation, most]
 }
 
 /// Returns the colour of a hue, which may lie outside [0, 1], a saturation and a value.
