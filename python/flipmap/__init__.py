@@ -59,8 +59,7 @@ def render(
     scene, words = _arguments.scene(scene), _arguments.words(words)
     progress = _arguments.progress(progress)
     made = _flipmap.render(scene, words, [width, height], run, _memory.available(), progress)
-    fields = [(name, "f8") for name, _ in made["channels"]] + [("status", "u1"), ("trust", "u1")]
-    array = np.frombuffer(made["records"], fields).reshape(height, width).view(Map)
+    array = np.frombuffer(made["records"], made["fields"]).reshape(height, width).view(Map)
     array.seconds, array.engine, array.scene = made["seconds"], made["engine"], made["scene"]
     array.units = dict(made["channels"])
     return array

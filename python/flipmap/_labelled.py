@@ -10,6 +10,8 @@ def dataset(of, frame, codes):
     fields = {name: (("y", "x"), of[name], {}) for name in of.dtype.names}
     for name, unit in of.units.items():
         fields[name][2]["units"] = unit
+    if "error" in fields:
+        fields["error"][2]["units"] = "s"
     for name, known in codes.items():
         fields[name][2].update(_meanings(known))
     coordinates, names = {}, {}

@@ -22,7 +22,9 @@ class Map(Kept):
     """A structured array of shape (height, width), row 0 at the top.
 
     Its fields are the question's channels (f8: ``inf`` where there is no answer within the budget,
-    ``nan`` where energy forbids one), ``status`` and ``trust`` (u1, see `Status` and `Trust`).
+    ``nan`` where energy forbids one), ``status`` and ``trust`` (u1, see `Status` and `Trust`), and
+    ``error`` if flips are timed: the estimated error in s of a checked map, rounded up to half a
+    decade (f4: ``nan`` where nothing was checked, ``inf`` where no two computations agree).
     Fields, parts and copies of parts are plain arrays of NumPy.
 
     The coordinates of the pixels' middles are ``theta1`` and ``theta2``, or whichever two of
@@ -91,7 +93,7 @@ class Map(Kept):
         return draw(self, self._frame(), ax, channel, options)
 
     def to_xarray(self):
-        """Return a Dataset of xarray: channels, status and trust, with coordinates and units.
+        """Return a Dataset of xarray: the fields, with coordinates and units.
 
         A coordinate with the name of a channel gets ``_at_start`` added to its own.
         """

@@ -65,9 +65,9 @@ impl Run {
     }
 }
 
-/// Renders a map. Returns a dictionary with the bytes of its `records` (f64 for each channel, the
-/// status and the trust as u8), by rows from the top; and `channels` (names and units), `seconds`,
-/// `engine` and `scene`. Refuses a map that needs more than `room` bytes, and a
+/// Renders a map. Returns a dictionary with the bytes of its `records`, by rows from the top, and
+/// their `fields` (names and kinds); and `channels` (names and units), `seconds`, `engine` and
+/// `scene`. Refuses a map that needs more than `room` bytes, and a
 /// process that was forked after its parent had rendered one.
 #[pyfunction]
 pub(crate) fn render<'py>(
@@ -81,7 +81,8 @@ pub(crate) fn render<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (document, spec) = settled(scene, &words, size, &run)?;
     let channels = document.question.ask.kind().channels;
-    check_room(size, channels.len(), room)?;
+    let fields = fields(&document);
+    check_room(size, record_bytes(&fields), room)?;
     let request = run.request(&spec)?.answering(&document.question);
     refuse_after_fork()?;
 
@@ -95,7 +96,8 @@ pub(crate) fn render<'py>(
 
     let map = PyDict::new(py);
     map.set_item("channels", names(channels))?;
-    map.set_item("records", records(py, &samples)?)?;
+    map.set_item("records", records(py, &samples, &fields)?)?;
+    map.set_item("fields", fields)?;
     map.set_item("seconds", seconds)?;
     map.set_item("engine", engine)?;
     map.set_item("scene", document.text())?;
@@ -117,10 +119,10 @@ pub(crate) fn settled(
 }
 
 /// Refuses a map that needs more memory than there is, or has more pixels than can be numbered.
-fn check_room([width, height]: [u32; 2], channels: usize, room: Option<u64>) -> PyResult<()> {
+fn check_room([width, height]: [u32; 2], record: usize, room: Option<u64>) -> PyResult<()> {
     let pixels = u64::from(width) * u64::from(height);
     // Samples, and the records made of them.
-    let needed = pixels.saturating_mul(2 * record_bytes(channels) as u64);
+    let needed = pixels.saturating_mul(2 * record as u64);
     if let Some(room) = room.filter(|room| needed > *room) {
         return Err(PyMemoryError::new_err(format!(
             "`size` is {width}x{height}; the map needs {needed} bytes of memory, and {room} are \
@@ -160,23 +162,44 @@ fn names(channels: &[Channel]) -> Vec<(&'static str, &'static str)> {
     channels.iter().map(|channel| (channel.name, channel.unit)).collect()
 }
 
-/// Number of bytes of a record with this many channels, a status and a trust.
-const fn record_bytes(channels: usize) -> usize {
-    channels * size_of::<f64>() + 2
+/// A field of a record: its name, and its kind in NumPy's words.
+type Field = (&'static str, &'static str);
+
+/// Returns the fields of the records of a document's question: the channels, the status, the trust, and the
+/// estimated error if flips are timed.
+fn fields(document: &Document) -> Vec<Field> {
+    let ask = document.question.ask;
+    let channels = ask.kind().channels.iter().map(|channel| (channel.name, "f8"));
+    let error = ask.times_flips().then_some(("error", "f4"));
+    channels.chain([("status", "u1"), ("trust", "u1")]).chain(error).collect()
 }
 
-/// Returns the records of the samples: the numbers that `flipmap render --raw` would write, the
-/// status and the trust.
-fn records<'py>(py: Python<'py>, samples: &Samples) -> PyResult<Bound<'py, PyByteArray>> {
-    let length = record_bytes(samples.channels());
+/// Number of bytes of a record with these fields, whose kinds end in their sizes.
+fn record_bytes(fields: &[Field]) -> usize {
+    let bytes = |kind: &str| usize::from(kind.as_bytes()[1] - b'0');
+    fields.iter().map(|(_, kind)| bytes(kind)).sum()
+}
+
+/// Returns the records of the samples: the numbers that `flipmap render --raw` would write in these
+/// fields.
+fn records<'py>(
+    py: Python<'py>,
+    samples: &Samples,
+    fields: &[Field],
+) -> PyResult<Bound<'py, PyByteArray>> {
+    let length = record_bytes(fields);
     PyByteArray::new_with(py, samples.len() * length, |bytes| {
         for (k, record) in bytes.chunks_exact_mut(length).enumerate() {
-            let (values, codes) = record.split_at_mut(length - 2);
+            let (values, rest) = record.split_at_mut(samples.channels() * size_of::<f64>());
             let places = values.chunks_exact_mut(size_of::<f64>());
             places.zip(samples.numbers(k)).for_each(|(place, number)| {
                 place.copy_from_slice(&number.to_ne_bytes());
             });
+            let (codes, error) = rest.split_at_mut(2);
             codes.copy_from_slice(&[samples.get(k).status as u8, samples.trust(k) as u8]);
+            if !error.is_empty() {
+                error.copy_from_slice(&samples.error_secs(k).to_ne_bytes());
+            }
         }
         Ok(())
     })

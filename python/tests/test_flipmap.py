@@ -25,7 +25,7 @@ def angles(width, height, center, side):
 def test_flip_times_are_those_of_the_gold_standard():
     center, side = (2.0, 1.4), 0.5
     found = flipmap.render(center=center, width=side, size=(24, 16), budget=10)
-    assert found.shape == (16, 24) and found.dtype.names == ("time", "status", "trust")
+    assert found.shape == (16, 24) and found.dtype.names == ("time", "status", "trust", "error")
     across, up = angles(24, 16, center, side)
     for row, column in [(0, 0), (3, 20), (8, 8), (15, 23), (10, 2)]:
         traced = flipmap.trace((across[column], up[row]), until=10, every=1)
@@ -49,8 +49,11 @@ def test_exact_marks_what_is_uncertain():
     found = flipmap.render(center=(-1.6601, 0.1003), width="1e-3", size=16, accuracy="exact", budget=40)
     assert (found["trust"] != Trust.UNCHECKED).all()
     assert np.array_equal(found.uncertain, found["trust"] == Trust.UNCERTAIN)
+    sure = (found["status"] == Status.ANSWERED) & ~found.uncertain
+    assert (found["error"][sure] < 1e-2).all()
     unchecked = flipmap.render(center=(2, 1.4), width=0.1, size=8)
     assert (unchecked["trust"] == Trust.UNCHECKED).all() and not unchecked.uncertain.any()
+    assert np.isnan(unchecked["error"]).all()
 
 
 def test_states_have_a_field_for_every_channel():

@@ -8,6 +8,7 @@ mod look;
 mod planes;
 mod reach;
 mod ride;
+mod undo;
 mod view;
 
 use std::fs;

@@ -60,7 +60,7 @@ fn all_samples(mut work: Work, size: [u32; 2], engine: &mut dyn Engine) -> Sampl
         for part in finished {
             for (k, [x, y]) in part.tile.pixels().enumerate() {
                 all.set((y * size[0] + x) as usize, part.samples.get(k));
-                all.set_trust((y * size[0] + x) as usize, part.samples.trust(k));
+                all.assure((y * size[0] + x) as usize, part.samples.assurance(k));
             }
         }
     }

@@ -114,10 +114,10 @@ mod checks {
         assert!(card.checks_by(&FINEST), "the card makes the check");
         let [gpu, cpu] =
             [checked(Box::new(card)), checked(Box::new(CpuEngine::new(None).unwrap()))];
-        for trusts in [&gpu.trusts, &cpu.trusts] {
-            let confirmed = trusts.iter().filter(|&&trust| trust == Trust::Confirmed).count();
+        for assurances in [&gpu.assurances, &cpu.assurances] {
+            let confirmed = assurances.iter().filter(|it| it.trust() == Trust::Confirmed).count();
             assert!(confirmed > 100, "{confirmed} starts of {} needed more digits", starts.len());
-            assert!(trusts.iter().all(|&trust| trust != Trust::Uncertain));
+            assert!(assurances.iter().all(|it| it.trust() != Trust::Uncertain));
         }
         assert_eq!(share_within(1e-3, &gpu.outcomes, &cpu.outcomes), 1.0);
     }

@@ -55,15 +55,19 @@ fn no_pixel_of_a_late_window_is_wrong_unmarked() {
         let starts = open_starts(&scene, 14, 1);
         let truth = truth_in_dd(&scene, &starts);
         let answer = finished(&mut exact(), &question(&scene), balanced(), Starts::Rest(starts));
-        assert_eq!(answer.trusts.len(), truth.len());
-        for ((answer, trust), truth) in answer.outcomes.iter().zip(&answer.trusts).zip(&truth) {
-            assert_ne!(*trust, Trust::Unchecked);
+        assert_eq!(answer.assurances.len(), truth.len());
+        for ((answer, assurance), truth) in
+            answer.outcomes.iter().zip(&answer.assurances).zip(&truth)
+        {
+            let trust = assurance.trust();
+            assert_ne!(trust, Trust::Unchecked);
             assert!(
-                *trust == Trust::Uncertain || is_right(answer, truth),
+                trust == Trust::Uncertain || is_right(answer, truth),
                 "{answer:?} {truth:?} {trust:?}"
             );
         }
-        let uncertain = answer.trusts.iter().filter(|trust| **trust == Trust::Uncertain).count();
+        let uncertain =
+            answer.assurances.iter().filter(|it| it.trust() == Trust::Uncertain).count();
         assert_eq!(uncertain, 0, "30 s are no horizon for double-double");
     }
 }
@@ -83,7 +87,7 @@ fn a_coarse_answer_is_corrected_when_it_is_checked() {
     let checked =
         finished(&mut exact(), &question(&scene), lesson(Precision::F32), Starts::Rest(starts));
     assert_eq!(share_within(1e-3, &checked.outcomes, &truth), 1.0);
-    let count = |trust| checked.trusts.iter().filter(|&&t| t == trust).count();
+    let count = |trust| checked.assurances.iter().filter(|it| it.trust() == trust).count();
     assert!(count(Trust::Agreed) > 4 * count(Trust::Confirmed) && count(Trust::Confirmed) > 50);
 }
 
@@ -96,9 +100,9 @@ fn beyond_every_horizon_pixels_are_marked() {
     let late: Vec<Trust> = answer
         .outcomes
         .iter()
-        .zip(&answer.trusts)
+        .zip(&answer.assurances)
         .filter(|(outcome, _)| outcome.status == Status::Unflipped || outcome.time > 300.0)
-        .map(|(_, trust)| *trust)
+        .map(|(_, assurance)| assurance.trust())
         .collect();
     let marked = late.iter().filter(|trust| **trust == Trust::Uncertain).count();
     eprintln!("{} late pixels, {marked} marked", late.len());

@@ -169,3 +169,18 @@ proptest! {
         }
     }
 }
+
+/// A cell has one budget, so that a pass never mixes states of 45 s with those of 20 s.
+#[test]
+fn a_budget_that_is_lowered_between_two_passes_and_raised_again_completes_the_view() {
+    use Action::{Budget, Frames};
+    for (backwards, job_size) in [(false, 1 << 18), (true, 1 << 18), (false, 64)] {
+        let mut session = Session::new(ROOMY, backwards, job_size);
+        session.explorer.target(&session.target);
+        for action in [Budget(45.0), Frames(1), Budget(20.0), Frames(2), Budget(45.0)] {
+            session.act(&action);
+        }
+        session.work(None);
+        session.check_view().unwrap();
+    }
+}

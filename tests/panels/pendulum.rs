@@ -175,7 +175,7 @@ fn the_map_is_held_against_the_flight() {
         (Outcome::flipped(truth.time.hi + 0.0123), "differ by 12.3 ms!"),
         (Outcome::without_time(Status::Unflipped), "differ!"),
     ] {
-        pins.tell(ids[0], (told, Trust::Agreed));
+        pins.tell(ids[0], (told, Trust::Agreed.into()));
         let shown = harness(pins, Theme::Dark);
         shown.get_by_label(words);
         let warning = format!("Map and gold standard {words}");
@@ -188,7 +188,7 @@ fn the_map_is_held_against_the_flight() {
 fn of_a_forbidden_pixel_only_what_makes_sense_is_said() {
     let (mut pins, ids) = flown(&Scene::default(), &[[0.5, 0.5]]);
     let forbidden = Outcome::without_time(Status::Forbidden);
-    pins.tell(ids[0], (forbidden, Trust::Agreed));
+    pins.tell(ids[0], (forbidden, Trust::Agreed.into()));
     let shown = harness(pins, Theme::Dark);
     shown.get_by_label("forbidden by its energy");
     for row in ["Both", "Flip, one pixel away"] {
@@ -196,7 +196,7 @@ fn of_a_forbidden_pixel_only_what_makes_sense_is_said() {
     }
     // A note appears if the map has another answer.
     pins = shown.into_state().pins;
-    pins.tell(ids[0], (Outcome::flipped(3.0), Trust::Agreed));
+    pins.tell(ids[0], (Outcome::flipped(3.0), Trust::Agreed.into()));
     let shown = harness(pins, Theme::Dark);
     shown.get_by_label("differ!");
 }
@@ -225,7 +225,7 @@ mod pictures {
         let (mut pins, ids) = flown(&Scene::default(), &[[2.2, 1.4], [3.0, 3.0], [0.5, 0.5]]);
         pins.apply(PinAction::Select(ids[0]));
         let truth = pins.get(ids[0]).unwrap().flight.outcome().unwrap();
-        pins.tell(ids[0], (Outcome::flipped(truth.time.hi), Trust::Confirmed));
+        pins.tell(ids[0], (Outcome::flipped(truth.time.hi), Trust::Confirmed.into()));
         pins.apply(PinAction::Scrub(truth.time.hi + 0.25));
         harness(pins, Theme::Dark).snapshot("pendulum_flipped");
     }
@@ -233,7 +233,7 @@ mod pictures {
     pub(crate) fn bars_before_their_flip_look_as_they_should() {
         let build = PendulumSpec::new(Kind::Rods, [2.0, 0.5], [1.0, 0.7], 9.81);
         let (mut pins, ids) = flown(&Scene { build, ..Scene::default() }, &[[2.6, -2.0]]);
-        pins.tell(ids[0], (Outcome::flipped(20.0), Trust::Uncertain));
+        pins.tell(ids[0], (Outcome::flipped(20.0), Trust::Uncertain.into()));
         pins.apply(PinAction::Scrub(0.8));
         harness(pins, Theme::Light).snapshot("pendulum_bars");
     }

@@ -83,7 +83,7 @@ pub use method::{Method, Precision};
 pub use one_job::run_job;
 pub use starts::{Deep, Leaf, Onset, Separable, StartList, Starts};
 pub(crate) use starts::{Moving, MovingStarts};
-pub use trust::Trust;
+pub use trust::{Assurance, Trust};
 
 /// The event that a job looks for from each of its starts, and the budget of time for the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -212,8 +212,8 @@ pub struct JobResult {
     pub unfinished: Vec<(usize, IntegratorState)>,
     /// The end of each pendulum, if the job keeps ends.
     pub ends: Vec<FinalState>,
-    /// Trust in each outcome; empty if nothing was checked.
-    pub trusts: Vec<Trust>,
+    /// Assurance of each outcome; empty if nothing was checked.
+    pub assurances: Vec<Assurance>,
     /// Work done for the job.
     pub effort: Effort,
 }

@@ -133,7 +133,7 @@ impl Bench<'_> {
         };
         let unchecked =
             stopwatch::run(backend.engine(), &question, config, &starts, self.stop)?.outcomes;
-        let pixels = Checked::all(&checked.outcomes, &checked.trusts, &unchecked, &truth);
+        let pixels = Checked::all(&checked.outcomes, &checked.assurances, &unchecked, &truth);
         let pairs: Vec<([Dd; 2], Outcome)> =
             starts.into_iter().zip(truth.iter().copied()).collect();
         let (asked, truth_of_them): (Vec<_>, Vec<_>) =

@@ -9,17 +9,17 @@ use super::statistics::{Errors, OutcomePair, bands, is_right};
 use super::truth::oracle_dd;
 use super::{ReportError, Row};
 use flipmap_engine::trust::TrustEngine;
-use flipmap_engine::{Accuracy, Engine, EngineError, IntegratorConfig, Trust};
+use flipmap_engine::{Accuracy, Assurance, Engine, EngineError, IntegratorConfig, Trust};
 use flipmap_numbers::Dd;
-use flipmap_pendulum::Outcome;
+use flipmap_pendulum::{Outcome, Status};
 
 /// A pixel answered with and without checks.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Checked {
     /// The answer with checks.
     pub answer: Outcome,
-    /// Trust in that answer.
-    pub trust: Trust,
+    /// Assurance of that answer.
+    pub assurance: Assurance,
     /// The answer without checks.
     pub unchecked: Outcome,
     /// The true outcome.
@@ -47,6 +47,10 @@ pub struct Checks {
     pub corrected: usize,
     /// Pixels of `unchecked_wrong` that are still wrong, but marked.
     pub wrong_but_marked: usize,
+    /// Flips that are not marked, with an estimated error.
+    pub estimated: usize,
+    /// Flips of `estimated` whose true error is at most the estimate.
+    pub within_estimate: usize,
 }
 
 impl Checks {
@@ -54,7 +58,7 @@ impl Checks {
     pub(crate) fn of(pixels: &[Checked]) -> Self {
         let count =
             |fits: &dyn Fn(&Checked) -> bool| pixels.iter().filter(|pixel| fits(pixel)).count();
-        let trusted = |trust| count(&|pixel: &Checked| pixel.trust == trust);
+        let trusted = |trust| count(&|pixel: &Checked| pixel.assurance.trust() == trust);
         Checks {
             pixels: pixels.len(),
             agreed: trusted(Trust::Agreed),
@@ -67,6 +71,10 @@ impl Checks {
             wrong_but_marked: count(&|pixel| {
                 pixel.was_wrong() && !pixel.is_right() && pixel.is_marked()
             }),
+            estimated: count(&|pixel| pixel.estimate_secs().is_some()),
+            within_estimate: count(&|pixel| {
+                pixel.estimate_secs().is_some_and(|secs| pixel.error_secs() <= secs)
+            }),
         }
     }
 
@@ -78,6 +86,11 @@ impl Checks {
     /// Share of pixels marked as uncertain, or `None` if there are no pixels.
     pub(crate) fn marked_share(&self) -> Option<f64> {
         (self.pixels > 0).then(|| self.marked as f64 / self.pixels as f64)
+    }
+
+    /// Share of the estimated errors that the true ones do not exceed, or `None` without estimates.
+    pub(crate) fn within_estimate_share(&self) -> Option<f64> {
+        (self.estimated > 0).then(|| self.within_estimate as f64 / self.estimated as f64)
     }
 }
 
@@ -93,6 +106,8 @@ impl std::iter::Sum for Checks {
             unchecked_wrong: a.unchecked_wrong + b.unchecked_wrong,
             corrected: a.corrected + b.corrected,
             wrong_but_marked: a.wrong_but_marked + b.wrong_but_marked,
+            estimated: a.estimated + b.estimated,
+            within_estimate: a.within_estimate + b.within_estimate,
         })
     }
 }
@@ -101,15 +116,15 @@ impl Checked {
     /// Combines the answers pixel by pixel.
     pub(crate) fn all(
         answers: &[Outcome],
-        trusts: &[Trust],
+        assurances: &[Assurance],
         unchecked: &[Outcome],
         truth: &[Outcome],
     ) -> Vec<Self> {
-        let checked = answers.iter().zip(trusts).zip(unchecked.iter().zip(truth));
+        let checked = answers.iter().zip(assurances).zip(unchecked.iter().zip(truth));
         checked
-            .map(|((&answer, &trust), (&unchecked, &truth))| Checked {
+            .map(|((&answer, &assurance), (&unchecked, &truth))| Checked {
                 answer,
-                trust,
+                assurance,
                 unchecked,
                 truth,
             })
@@ -124,8 +139,22 @@ impl Checked {
         !is_right(&(self.unchecked, self.truth))
     }
 
+    /// Returns the estimated error in s of a flip that is not marked.
+    fn estimate_secs(&self) -> Option<f64> {
+        let is_flip = self.answer.status == Status::Answered && !self.is_marked();
+        self.assurance.error_secs().filter(|_| is_flip)
+    }
+
+    /// Returns the true error in s of a flip's time; infinite if there is no flip in truth.
+    fn error_secs(&self) -> f64 {
+        match self.truth.status {
+            Status::Answered => (self.answer.time - self.truth.time).abs(),
+            Status::Unflipped | Status::Forbidden | Status::Failed => f64::INFINITY,
+        }
+    }
+
     fn is_marked(&self) -> bool {
-        self.trust == Trust::Uncertain
+        self.assurance.trust() == Trust::Uncertain
     }
 }
 
@@ -154,7 +183,8 @@ impl Bench<'_> {
         let pairs = compared.pairs();
         (row.errors, row.bands) = (Errors::of(&pairs), bands(&pairs));
         let Compared { ran, truth, .. } = &compared;
-        row.checks = Some(Checks::of(&Checked::all(&ran.outcomes, &ran.trusts, &unchecked, truth)));
+        row.checks =
+            Some(Checks::of(&Checked::all(&ran.outcomes, &ran.assurances, &unchecked, truth)));
         Ok(row)
     }
 
@@ -184,7 +214,8 @@ mod tests {
 
     fn pixel(answer: f64, trust: Trust, unchecked: f64) -> Checked {
         let flip = Outcome::flipped;
-        Checked { answer: flip(answer), trust, unchecked: flip(unchecked), truth: flip(7.0) }
+        let assurance = Assurance::new(trust, 5e-4);
+        Checked { answer: flip(answer), assurance, unchecked: flip(unchecked), truth: flip(7.0) }
     }
 
     #[test]
@@ -209,6 +240,8 @@ mod tests {
             unchecked_wrong: 4,
             corrected: 2,
             wrong_but_marked: 1,
+            estimated: 5,
+            within_estimate: 3,
         };
         assert_eq!(checks, expected);
         assert_eq!((checks.caught(), checks.marked_share()), (3, Some(2.0 / 7.0)));

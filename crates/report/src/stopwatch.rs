@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use super::{ReportError, StopTest};
 use flipmap_engine::{
-    Effort, Engine, EngineError, EventSpec, IntegratorConfig, Job, JobResult, Keep, Starts, Trust,
-    Wait,
+    Assurance, Effort, Engine, EngineError, EventSpec, IntegratorConfig, Job, JobResult, Keep,
+    Starts, Wait,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::Outcome;
@@ -14,8 +14,8 @@ use flipmap_pendulum::Outcome;
 pub struct TimedRun {
     /// Outcomes of the starts, in their order.
     pub outcomes: Vec<Outcome>,
-    /// Trust in each outcome; empty if nothing was checked.
-    pub trusts: Vec<Trust>,
+    /// Assurance of each outcome; empty if nothing was checked.
+    pub assurances: Vec<Assurance>,
     /// Effort of the run, summed over its jobs.
     pub effort: Effort,
     /// Microseconds per start, from the first submission to the last answer.
@@ -45,20 +45,20 @@ pub fn run(
         sum += finished.effort;
         sum
     });
-    let (outcomes, trusts): (Vec<_>, Vec<_>) =
-        answered.into_iter().map(|finished| (finished.outcomes, finished.trusts)).unzip();
-    let (outcomes, trusts) = (outcomes.concat(), trusts.concat());
-    let unsure = !trusts.is_empty() && trusts.len() != starts.len();
+    let (outcomes, assurances): (Vec<_>, Vec<_>) =
+        answered.into_iter().map(|finished| (finished.outcomes, finished.assurances)).unzip();
+    let (outcomes, assurances) = (outcomes.concat(), assurances.concat());
+    let unsure = !assurances.is_empty() && assurances.len() != starts.len();
     if outcomes.len() != starts.len() || unsure {
         let message = format!(
             "{} answers, {} of them checked, to {} starts",
             outcomes.len(),
-            trusts.len(),
+            assurances.len(),
             starts.len()
         );
         return Err(EngineError::Driver(message).into());
     }
-    Ok(TimedRun { outcomes, trusts, effort, us_per_pixel })
+    Ok(TimedRun { outcomes, assurances, effort, us_per_pixel })
 }
 
 /// The engine's answers, job by job in the order of the starts.

@@ -2,7 +2,7 @@
 
 use super::hover::{self, Answer};
 use super::state::AppState;
-use flipmap_engine::Trust;
+use flipmap_engine::Assurance;
 use flipmap_numbers::Exact;
 use flipmap_pendulum::Outcome;
 use flipmap_render::tiles::explorer::Explorer;
@@ -20,12 +20,12 @@ impl AppState {
         &self,
         explorer: &mut Explorer,
         place: [Exact; 2],
-    ) -> Option<(Outcome, Trust)> {
+    ) -> Option<(Outcome, Assurance)> {
         let question = &self.question;
         if !question.ask.is_time() || question.count > 1 {
             return None;
         }
-        self.answer_at(explorer, place).map(|answer| (answer.outcome(), answer.trust))
+        self.answer_at(explorer, place).map(|answer| (answer.outcome(), answer.assurance))
     }
 
     /// Passes to the pins the outcomes that the map now shows for their pixels.

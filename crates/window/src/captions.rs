@@ -45,7 +45,7 @@ fn plain(value: Exact, digits: usize) -> String {
 fn told(scene: &Scene, answer: &Answer) -> String {
     let question = &scene.question;
     let kind = question.ask.kind();
-    let doubt = if answer.trust == Trust::Uncertain { ", uncertain" } else { "" };
+    let doubt = if answer.assurance.trust() == Trust::Uncertain { ", uncertain" } else { "" };
     match answer.status {
         Status::Answered if question.ask.is_time() => match question.count {
             1 => format!("flips after {:.4} s{doubt}", answer.values[0]),
@@ -89,7 +89,7 @@ mod tests {
     fn answer(status: Status, first: &[f64], trust: Trust) -> Option<Answer> {
         let mut values = [0.0; MAX_CHANNELS];
         values[..first.len()].copy_from_slice(first);
-        Some(Answer { status, values, trust })
+        Some(Answer { status, values, assurance: trust.into() })
     }
 
     #[test]

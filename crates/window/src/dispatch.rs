@@ -68,7 +68,7 @@ impl AppModel {
             Action::Pin(point) => self.pin(self.state.pixel_at(point)),
             Action::HoldPin(pin) => state.pins.held = pin,
             Action::MovePin(point) => self.move_pin(point),
-            Action::Unpin => state.pins.remove_clicked(),
+            Action::Unpin => state.take_back_pin(),
             Action::Pins(action) => state.pins.apply(action),
             Action::PlayPause => self.play_or_pause(),
             Action::Scene(scene) => {
@@ -138,6 +138,7 @@ impl AppModel {
         }
         self.state.look(look);
         if matches!(look, Look::Back | Look::Forward) {
+            self.state.restore_pins(self.waker());
             self.follow(false);
         }
     }

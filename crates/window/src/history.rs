@@ -1,6 +1,7 @@
 //! The history of what was shown, kept as a browser keeps pages.
 
 use super::camera::Camera;
+use super::pin_marks::PinMark;
 use super::state::AppState;
 use flipmap_scene::{Budget, PendulumSpec, PictureTable, Plane, QuestionSettings, Scene};
 
@@ -14,6 +15,7 @@ pub(crate) struct Snapshot {
     plane: Plane,
     /// The colours, without times that follow from the view.
     picture: PictureTable,
+    pins: Vec<PinMark>,
 }
 
 /// Visited snapshots, or whatever else, and the index of the one shown.
@@ -45,13 +47,15 @@ impl<T: Clone + PartialEq> History<T> {
     }
 
     /// Records what is shown now, which erases what is ahead; with `merges`, in place of what was
-    /// shown.
+    /// shown. A change that is taken back by the one that merges with it is no step.
     pub(crate) fn visit(&mut self, now: T, merges: bool) {
         if *self.current() == now {
             return;
         }
         self.visited.truncate(self.current + usize::from(!merges));
-        self.visited.push(now);
+        if self.visited.last() != Some(&now) {
+            self.visited.push(now);
+        }
         if self.visited.len() > MAX_VISITED {
             self.visited.remove(0);
         }
@@ -83,13 +87,14 @@ impl<T: Clone + PartialEq> History<T> {
 }
 
 impl Snapshot {
-    /// Returns the snapshot of a scene as a camera sees it.
+    /// Returns the snapshot of a scene as a camera sees it, without pins.
     pub(crate) fn new(scene: &Scene, camera: Camera, mut picture: PictureTable) -> Self {
         let budget = scene.question.budget;
         let secs = if budget.auto { 0.0 } else { budget.secs };
         let question = QuestionSettings { budget: Budget { secs, ..budget }, ..scene.question };
         picture.forget_view_times();
-        Snapshot { camera, build: scene.build, question, plane: scene.plane.clone(), picture }
+        let (build, plane, pins) = (scene.build, scene.plane.clone(), Vec::new());
+        Snapshot { camera, build, question, plane, picture, pins }
     }
 }
 
@@ -106,7 +111,8 @@ impl AppState {
     pub(super) fn snapshot(&self) -> Snapshot {
         let offset = if self.shown.cycle.runs { 0.0 } else { self.picture.offset };
         let picture = PictureTable { offset, ..self.picture.clone() };
-        Snapshot::new(&self.scene(), self.camera, picture)
+        let pins = self.pins.marks();
+        Snapshot { pins, ..Snapshot::new(&self.scene(), self.camera, picture) }
     }
 
     /// Records what is shown at rest. Changes in quick succession that leave the view, as while a
@@ -124,9 +130,10 @@ impl AppState {
         self.history.visit(now, merges);
     }
 
-    /// Shows again what the history holds.
+    /// Shows again what the history holds, except its pins, whose flights need a waker.
     pub(super) fn restore(&mut self, then: Option<Snapshot>) {
-        let Some(Snapshot { camera, build, mut question, plane, picture }) = then else { return };
+        let Some(then) = then else { return };
+        let Snapshot { camera, build, mut question, plane, picture, pins: _ } = then;
         if question.budget.auto {
             let budget = self.question.budget;
             question.budget.secs = budget.secs;
@@ -136,6 +143,18 @@ impl AppState {
         self.picture = PictureTable { offset, ..picture };
         self.changed_secs = None;
         self.go(camera);
+    }
+
+    /// Removes the pin that the last click made, and its step.
+    pub(super) fn take_back_pin(&mut self) {
+        self.pins.remove_clicked();
+        let now = self.snapshot();
+        self.history.visit(now, true);
+    }
+
+    /// Brings back the pins that belong to what the history shows.
+    pub(super) fn restore_pins(&mut self, wake: impl Fn() + Clone + Send + 'static) {
+        self.pins.restore(&self.history.current().pins, wake);
     }
 }
 

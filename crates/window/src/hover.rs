@@ -1,6 +1,6 @@
 //! The sample under the pointer.
 
-use flipmap_engine::Trust;
+use flipmap_engine::Assurance;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::Stride;
@@ -17,7 +17,7 @@ pub(crate) struct Answer {
     /// Values of the question's channels, followed by zeros.
     pub values: [f64; MAX_CHANNELS],
     /// Certainty of the answer.
-    pub trust: Trust,
+    pub assurance: Assurance,
 }
 
 /// Returns the places of the sample that a level draws at a place and of the one to its right.
@@ -75,7 +75,7 @@ fn answer_of(
     let known_values = known.samples.values(index);
     values[..known_values.len()].copy_from_slice(known_values);
     let Outcome { status, .. } = known.samples.get(index);
-    Some(Answer { status, values, trust: known.samples.trust(index) })
+    Some(Answer { status, values, assurance: known.samples.assurance(index) })
 }
 
 impl Answer {

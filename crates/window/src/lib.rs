@@ -85,6 +85,7 @@ mod panel_actions;
 pub mod panels;
 mod pendulum_card;
 mod pin_drag;
+mod pin_marks;
 mod pin_paths;
 pub mod pin_start;
 pub mod pins;

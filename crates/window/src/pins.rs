@@ -4,7 +4,7 @@ use egui::Color32;
 
 use super::flight::{Flight, Playback, Trail};
 use super::pin_start::PinStart;
-use flipmap_engine::{EventSpec, Trust};
+use flipmap_engine::{Assurance, EventSpec};
 use flipmap_pendulum::Outcome;
 use flipmap_scene::{PendulumSpec, Scene};
 
@@ -52,13 +52,13 @@ pub struct Pin {
     pub start: PinStart,
     /// Mark of the pin.
     pub badge: Badge,
-    /// Outcome and trust that the map shows, once they are known.
-    pub told: Option<(Outcome, Trust)>,
+    /// Outcome and its assurance that the map shows, once they are known.
+    pub told: Option<(Outcome, Assurance)>,
     /// Flight of its pendulum.
     pub flight: Flight,
     /// Recent path of its pendulum.
     pub trail: Trail,
-    shown_secs: f64,
+    pub(super) shown_secs: f64,
 }
 
 impl Pin {
@@ -101,11 +101,11 @@ pub enum PinAction {
 /// All pins, and the physics that their flights follow.
 #[derive(Debug)]
 pub struct Pins {
-    build: PendulumSpec,
-    question: EventSpec,
-    list: Vec<Pin>,
+    pub(super) build: PendulumSpec,
+    pub(super) question: EventSpec,
+    pub(super) list: Vec<Pin>,
     clock: Playback,
-    selected: Option<PinId>,
+    pub(super) selected: Option<PinId>,
     /// Pin that the last click on the map made.
     pub clicked: Option<PinId>,
     /// Pin that is being dragged.
@@ -168,7 +168,7 @@ impl Pins {
     pub fn add(
         &mut self,
         start: PinStart,
-        told: Option<(Outcome, Trust)>,
+        told: Option<(Outcome, Assurance)>,
         wake: impl Fn() + Send + 'static,
     ) -> Result<PinId, NoPinLeft> {
         let free = |&slot: &usize| self.list.iter().all(|pin| pin.badge != Badge(slot));
@@ -190,7 +190,7 @@ impl Pins {
         &mut self,
         id: PinId,
         start: PinStart,
-        told: Option<(Outcome, Trust)>,
+        told: Option<(Outcome, Assurance)>,
         wake: impl Fn() + Send + 'static,
     ) {
         let (question, trail) = (self.question, Trail::new(&self.build.pendulum()));
@@ -203,7 +203,7 @@ impl Pins {
     }
 
     /// Sets the outcome that the map shows for a pin's pixel.
-    pub fn tell(&mut self, id: PinId, told: (Outcome, Trust)) {
+    pub fn tell(&mut self, id: PinId, told: (Outcome, Assurance)) {
         if let Some(pin) = self.get_mut(id) {
             pin.told = Some(told);
         }
@@ -234,7 +234,7 @@ impl Pins {
     }
 
     /// Brings every pin to the moment of the clock.
-    fn show(&mut self) {
+    pub(super) fn show(&mut self) {
         let secs = self.clock.time_secs();
         self.list.iter_mut().for_each(|pin| pin.show(secs));
     }
@@ -310,6 +310,7 @@ impl Pins {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flipmap_engine::Trust;
     use flipmap_numbers::Decimal;
     use flipmap_numbers::Scalar;
 
@@ -396,7 +397,7 @@ mod tests {
         wait(&mut pins);
         let flip = |pins: &Pins| pins.selected().unwrap().flight.outcome().unwrap();
         let earth = flip(&pins);
-        pins.tell(ids[0], (Outcome::flipped(earth.time.hi), Trust::Agreed));
+        pins.tell(ids[0], (Outcome::flipped(earth.time.hi), Trust::Agreed.into()));
         pins.apply(PinAction::Scrub(2.0));
         let view = flipmap_scene::View { width: "1".into(), ..flipmap_scene::View::default() };
         pins.relaunch(&Scene { view, ..Scene::default() }, || ());

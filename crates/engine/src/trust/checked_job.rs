@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use super::Trust;
-use super::judge::{Judge, RunResult};
+use super::judge::{Judge, Judgement, RunResult};
 use super::ladder::{Origin, Run, Rung, ends_of, rungs};
+use super::{Assurance, Trust};
 use crate::{Effort, FinalState, Job, JobResult, Keep, Starts, WantedEnds};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Accumulators, Outcome, Status};
@@ -23,7 +23,7 @@ pub(super) struct CheckedJob {
     done: Vec<Done>,
     /// Finest answer to each start so far.
     finest: Vec<RunResult>,
-    trusts: Vec<Trust>,
+    assurances: Vec<Assurance>,
     effort: Effort,
 }
 
@@ -62,7 +62,7 @@ impl CheckedJob {
             open: (0..count).collect(),
             done: Vec::new(),
             finest: vec![UNANSWERED; count],
-            trusts: vec![Trust::Unchecked; count],
+            assurances: vec![Assurance::default(); count],
             effort: Effort::default(),
             job,
         };
@@ -147,13 +147,16 @@ impl CheckedJob {
         self.done.sort_by_key(|done| done.index);
         let leaf_half_rad = self.leaf_half_rad.unwrap_or(0.0);
         let judge = Judge::new(&self.job.question, self.job.keep.ends, leaf_half_rad);
-        let verdicts: Vec<(RunResult, bool)> =
-            self.open.par_iter().map(|&start| judge.verdict(&self.answers(start))).collect();
-        let trust = self.rungs[self.rung].trust;
-        for (start, (answer, sure)) in std::mem::take(&mut self.open).into_iter().zip(verdicts) {
+        let judged: Vec<Judgement> =
+            self.open.par_iter().map(|&start| judge.judge(&self.answers(start))).collect();
+        let rung_trust = self.rungs[self.rung].trust;
+        for (start, judgement) in std::mem::take(&mut self.open).into_iter().zip(judged) {
+            let Judgement { answer, is_sure, error_secs } = judgement;
+            let trust = if is_sure { rung_trust } else { Trust::Uncertain };
             self.finest[start] = answer;
-            self.trusts[start] = if sure { trust } else { Trust::Uncertain };
-            if !sure {
+            self.assurances[start] =
+                error_secs.map_or(trust.into(), |error_secs| Assurance::new(trust, error_secs));
+            if !is_sure {
                 self.open.push(start);
             }
         }
@@ -178,7 +181,7 @@ impl CheckedJob {
             id: self.job.id,
             outcomes: self.finest.iter().map(|answer| answer.outcome).collect(),
             ends,
-            trusts: self.trusts,
+            assurances: self.assurances,
             effort: self.effort,
             ..JobResult::default()
         }
@@ -189,6 +192,6 @@ impl CheckedJob {
 impl CheckedJob {
     /// Returns true if the answer to a start is sure by now.
     pub(super) fn is_sure(&self, start: usize) -> bool {
-        !matches!(self.trusts[start], Trust::Unchecked | Trust::Uncertain)
+        !matches!(self.assurances[start].trust(), Trust::Unchecked | Trust::Uncertain)
     }
 }

@@ -47,7 +47,7 @@ fn from_rest(config: IntegratorConfig, answer: RunResult) -> (Run, RunResult) {
 
 /// Returns true if the answers to the time of a flip are sure.
 fn is_sure(answers: &[(Run, RunResult)]) -> bool {
-    judge(Rule::Second, WantedEnds::None).verdict(answers).1
+    judge(Rule::Second, WantedEnds::None).judge(answers).is_sure
 }
 
 fn of_status(status: Status) -> RunResult {
@@ -166,7 +166,7 @@ fn growth_is_told_by_a_run_near_the_finest_and_confirmed_by_another_method() {
         let finest = from_rest(TAYLOR_DD, gathered(hangs_at(0.5), None));
         let teller = from_rest(BALANCED, gathered(hangs_at(0.5 + apart), Some(20.0)));
         let second = from_rest(other, gathered(hangs_at(0.5 + apart), Some(log_growth)));
-        judge(Rule::Neither, WantedEnds::Growth).verdict(&[finest, teller, second]).1
+        judge(Rule::Neither, WantedEnds::Growth).judge(&[finest, teller, second]).is_sure
     };
     let other = dopri5(1e-11);
     assert!(told(5e-3, other, 20.001));

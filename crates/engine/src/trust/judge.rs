@@ -32,6 +32,17 @@ pub(super) struct RunResult {
     pub end: FinalState,
 }
 
+/// The finest answer to a start, and what the other answers make of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Judgement {
+    pub answer: RunResult,
+    /// True if the other answers make the finest sure.
+    pub is_sure: bool,
+    /// Estimated error of a flip's time in s, infinite if no other run agrees; `None` if the answer
+    /// is not a flip's time.
+    pub error_secs: Option<f64>,
+}
+
 /// Share of the allowed error in a flip's time that is used; the rest is a margin for what the
 /// argument leaves out.
 const SAFETY: f64 = 0.25;
@@ -46,6 +57,9 @@ const UNFLIPPED: f64 = 1e-2;
 const STATE: f64 = SAFETY * 1e-3;
 /// Largest factor by which an error may exceed what the growth of the other runs explains.
 const UNLIKELY: f64 = 1e3;
+/// Factor from the growth that two runs show to that which an estimate assumes, because two errors
+/// may have nearly the same size and sign.
+const SIGN_MARGIN: f64 = 4.0;
 /// Largest accepted probability that an answer of the finest run is called right though it is
 /// wrong.
 const MAX_ERROR_PROBABILITY: f64 = 1e-6;
@@ -63,6 +77,10 @@ pub(super) struct Judge {
     unflipped: f64,
     /// Half the side of the leaves of start maps in rad.
     leaf_half_rad: f64,
+    /// Seconds in a unit of reduced time.
+    unit_secs: f64,
+    /// True if the time of a flip is asked for.
+    asks_time: bool,
 }
 
 impl Judge {
@@ -76,11 +94,12 @@ impl Judge {
         // grew.
         let is_answer = question.rule == Rule::Neither && !ends.are_carried();
         let unflipped = if is_answer { STATE } else { UNFLIPPED };
-        Judge { pendulum, inverse_scale, tolerance, unflipped, leaf_half_rad }
+        let asks_time = question.rule != Rule::Neither;
+        Judge { pendulum, inverse_scale, tolerance, unflipped, leaf_half_rad, unit_secs, asks_time }
     }
 
-    /// Returns the finest of some answers, and whether the others make it sure.
-    pub(super) fn verdict(&self, answers: &[(Run, RunResult)]) -> (RunResult, bool) {
+    /// Returns the finest of some answers, and what the others make of it.
+    pub(super) fn judge(&self, answers: &[(Run, RunResult)]) -> Judgement {
         let scale =
             |(run, answer): &(Run, RunResult)| run.error_scale(&answer.end, self.leaf_half_rad);
         let mut scaled: Vec<_> = answers.iter().map(|answer| (scale(answer), answer)).collect();
@@ -91,7 +110,19 @@ impl Judge {
         let is_sure = self.is_sure(finest, others)
             && self.distance(answer, &finest.1.1) <= self.allowed(&finest.1.1)
             && Self::is_confirmed(run, answer, &scaled);
-        (*answer, is_sure)
+        let is_time = self.asks_time && finest.1.1.outcome.status == Status::Answered;
+        let error_secs = is_time.then(|| self.unit_secs * self.estimated_error(finest, others));
+        Judgement { answer: *answer, is_sure, error_secs }
+    }
+
+    /// Returns the estimated error of the finest answer: the growth that the others show, times its
+    /// error scale. Errors of runs that are far off have stopped growing, so that they show less
+    /// growth than there is; if all are, nothing is known.
+    fn estimated_error(&self, (finest_scale, (_, answer)): &Scaled, others: &[Scaled]) -> f64 {
+        let aparts = others.iter().map(|(scale, (_, other))| (scale, self.distance(answer, other)));
+        let near = aparts.filter(|(_, apart)| *apart <= LINEAR);
+        let growth = near.map(|(scale, apart)| apart / scale).max_by(f64::total_cmp);
+        growth.map_or(f64::INFINITY, |growth| SIGN_MARGIN * growth * finest_scale)
     }
 
     /// Returns true if a run of another method gathered the same along the motion, even if it ended

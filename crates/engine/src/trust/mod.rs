@@ -35,6 +35,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+mod assurance;
 mod checked_job;
 pub mod direct;
 mod judge;
@@ -42,6 +43,7 @@ mod ladder;
 mod opinion;
 mod outlook;
 
+pub use self::assurance::Assurance;
 use self::checked_job::{CheckedJob, RUNS};
 pub use self::opinion::Opinion;
 pub use self::outlook::AccuracyEstimate;
@@ -176,7 +178,9 @@ impl<'a> TrustEngine<'a> {
         if jobs.is_empty() {
             let mut finished = self.cases.remove(&id).map(CheckedJob::finish)?;
             if self.distrusts {
-                finished.trusts.fill(Trust::Uncertain);
+                for assurance in &mut finished.assurances {
+                    *assurance = assurance.with_trust(Trust::Uncertain);
+                }
             }
             return Some(finished);
         }

@@ -16,13 +16,16 @@ pub(super) struct CsvWriter<W: Write> {
     out: W,
     axes: PixelAxes,
     channels: Range<usize>,
+    /// True if flips are timed, so that errors are estimated.
+    has_error: bool,
     /// Index of the next pixel.
     next: u64,
 }
 
 impl<W: Write> CsvWriter<W> {
     /// Writes the names of the columns: the plane's two coordinates, the same from the centre, the
-    /// channels of the question, status and trust. Refuses a picture that is too large for a table.
+    /// channels of the question, status, trust, and the estimated error in s if flips are timed.
+    /// Refuses a picture that is too large for a table.
     pub(super) fn new(
         mut out: W,
         size: [u32; 2],
@@ -40,10 +43,12 @@ impl<W: Write> CsvWriter<W> {
         let [x, y] = axes.names_beside(&document.scene());
         let places = [x.clone(), y.clone(), format!("{x}_from_center"), format!("{y}_from_center")];
         let known = known.iter().map(|channel| channel.name);
-        let rest = known.chain(["status", "trust"]).map(str::to_string);
+        let has_error = document.question.ask.times_flips();
+        let error = has_error.then_some("error");
+        let rest = known.chain(["status", "trust"]).chain(error).map(str::to_string);
         let names: Vec<String> = places.into_iter().chain(rest).collect();
         writeln!(out, "{}", names.join(","))?;
-        Ok(CsvWriter { out, axes, channels, next: 0 })
+        Ok(CsvWriter { out, axes, channels, has_error, next: 0 })
     }
 
     /// Writes the next samples.
@@ -58,7 +63,11 @@ impl<W: Write> CsvWriter<W> {
             for value in &samples.values(index)[self.channels.clone()] {
                 write!(self.out, ",{}", number_of(status, *value))?;
             }
-            writeln!(self.out, ",{},{}", word(status), trust_word(samples.trust(index)))?;
+            write!(self.out, ",{},{}", word(status), trust_word(samples.trust(index)))?;
+            if self.has_error {
+                write!(self.out, ",{:.1e}", samples.error_secs(index))?;
+            }
+            writeln!(self.out)?;
             self.next += 1;
         }
         Ok(())
@@ -86,6 +95,7 @@ fn trust_word(trust: Trust) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flipmap_engine::Assurance;
     use flipmap_pendulum::Outcome;
 
     #[test]
@@ -94,13 +104,14 @@ mod tests {
         document.view.width = "2".into();
         let mut samples = Samples::unflipped(2);
         samples.set(0, Outcome::flipped(1.5));
-        samples.set_trust(0, Trust::Agreed);
+        samples.assure(0, Assurance::new(Trust::Agreed, 2e-9));
         let mut csv = CsvWriter::new(Vec::new(), [2, 1], &document, 0..1).unwrap();
         csv.write(&samples.part(0..1)).unwrap();
         csv.write(&samples.part(1..2)).unwrap();
         let text = String::from_utf8(csv.into_inner()).unwrap();
-        let wanted = "theta1,theta2,theta1_from_center,theta2_from_center,time,status,trust\n\
-                      -0.5,0,-0.5,0.0,1.5,answered,agreed\n0.5,0,0.5,0.0,inf,unflipped,unchecked\n";
+        let wanted = "theta1,theta2,theta1_from_center,theta2_from_center,time,status,trust,error\n\
+                      -0.5,0,-0.5,0.0,1.5,answered,agreed,3.2e-9\n\
+                      0.5,0,0.5,0.0,inf,unflipped,unchecked,NaN\n";
         assert_eq!(text, wanted);
         let large = CsvWriter::new(Vec::new(), [3000, 3000], &document, 0..1).err().unwrap();
         assert!(large.to_string().contains("at most 4000000 rows"), "{large}");

@@ -1,9 +1,9 @@
 //! Samples as an OpenEXR image with the channels of the question (such as `time` in s; `+inf` for
 //! unflipped and failed, `nan` for forbidden), `height` if the question asks for a time (the
 //! natural logarithm of the time, or of the budget where there is no time, so it is finite
-//! everywhere), `status` (0 unflipped, 1 flipped or answered, 2 forbidden, 3 failed) and
-//! `uncertain` (0 or 1), all f32, row 0 at the top. The attribute `axes` says in JSON where the pixels
-//! lie.
+//! everywhere), `status` (0 unflipped, 1 flipped or answered, 2 forbidden, 3 failed), `uncertain`
+//! (0 or 1), and `error` if flips are timed (the estimated error in s, `nan` where nothing was
+//! checked), all f32, row 0 at the top. The attribute `axes` says in JSON where the pixels lie.
 
 use std::io::{self, Seek, SeekFrom, Write};
 use std::slice::from_ref;
@@ -30,6 +30,7 @@ enum Column {
     Height(f32),
     Status,
     Uncertain,
+    Error,
 }
 
 /// Returns the channels of a question's image in the order of the file, which is alphabetical.
@@ -39,6 +40,9 @@ fn columns_of(question: &QuestionSettings) -> Vec<(&'static str, Column)> {
     let mut columns: Vec<_> = channels.map(|(k, it)| (it.name, Column::Value(k))).collect();
     if ask.is_time() {
         columns.push(("height", Column::Height(question.budget.secs.ln() as f32)));
+    }
+    if ask.times_flips() {
+        columns.push(("error", Column::Error));
     }
     columns.extend([("status", Column::Status), ("uncertain", Column::Uncertain)]);
     columns.sort_unstable_by_key(|(name, _)| *name);
@@ -106,6 +110,7 @@ impl<W: Write + Seek> ExrWriter<W> {
                     },
                     Column::Status => f32::from(status as u8),
                     Column::Uncertain => f32::from(samples.trust(index) == Trust::Uncertain),
+                    Column::Error => samples.error_secs(index),
                 });
             }
             if self.row[0].1.len() == width {
@@ -207,6 +212,7 @@ mod tests {
     use super::*;
     use exr::prelude::{AnyChannel, AnyChannels, Blocks, Encoding, FlatImage, FlatSamples};
     use exr::prelude::{Image, Layer, ReadChannels, ReadLayers, SmallVec, WritableImage, read};
+    use flipmap_engine::Assurance;
     use flipmap_pendulum::Outcome;
     use std::io::Cursor;
 
@@ -217,7 +223,7 @@ mod tests {
             match index % 7 {
                 0 | 3 => samples.set(index, Outcome::flipped(1.5 + index as f64)),
                 4 => samples.set(index, Outcome::without_time(Status::Forbidden)),
-                5 => samples.set_trust(index, Trust::Uncertain),
+                5 => samples.assure(index, Assurance::new(Trust::Uncertain, 0.02)),
                 _ => {}
             }
         }
@@ -259,14 +265,15 @@ mod tests {
             Status::Answered => (outcome.time.ln() as f32).min(most),
             _ => most,
         };
-        let channels: [Vec<f32>; 4] = [
+        let channels: [Vec<f32>; 5] = [
+            values(&|index| samples.error_secs(index)),
             values(&|index| height(samples.get(index))),
             values(&|index| f32::from(samples.get(index).status as u8)),
             values(&|index| number_of(samples.get(index).status, samples.get(index).time) as f32),
             values(&|index| f32::from(u8::from(samples.trust(index) == Trust::Uncertain))),
         ];
         let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> =
-            ["height", "status", "time", "uncertain"]
+            ["error", "height", "status", "time", "uncertain"]
                 .into_iter()
                 .zip(channels)
                 .map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)))
@@ -294,6 +301,8 @@ mod tests {
         assert!(heights.iter().all(|height| height.is_finite()));
         assert_eq!(channel(&image, "status"), [1.0, 0.0, 0.0, 1.0, 2.0, 0.0]);
         assert_eq!(channel(&image, "uncertain"), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+        let errors = channel(&image, "error");
+        assert!(errors[0].is_nan() && (errors[5] - 0.0316).abs() < 1e-4, "{errors:?}");
         let text = layer.attributes.comments.as_ref().unwrap().to_string();
         assert!(text.contains("[view]"), "{text}");
         let axes = format!("{:?}", layer.attributes.other[&Text::from("axes")]);
@@ -325,7 +334,7 @@ mod tests {
         let mut writer = ExrWriter::new(out, size, &Document::default()).unwrap();
         for _ in 0..size[1] {
             writer.write(&samples(40)).unwrap();
-            assert!(writer.block.capacity() <= 2 * 16 * 40 * 16, "{}", writer.block.capacity());
+            assert!(writer.block.capacity() <= 2 * 16 * 40 * 20, "{}", writer.block.capacity());
         }
         writer.finish().unwrap();
     }

@@ -1,5 +1,6 @@
 //! Answers with their places as NumPy's `.npz`: an array for each channel, the status, the trust, the
-//! coordinates, and the scene.
+//! estimated error in s if flips are timed (NaN where nothing was checked), the coordinates, and the
+//! scene.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
@@ -29,6 +30,7 @@ struct Array {
 
 /// Kinds of numbers in NumPy's words.
 const F64: &str = "<f8";
+const F32: &str = "<f4";
 const BYTE: &str = "|u1";
 
 impl<W: Write> NpzWriter<W> {
@@ -45,13 +47,14 @@ impl<W: Write> NpzWriter<W> {
         };
         let known = &document.question.ask.kind().channels[channels.clone()];
         let values = known.iter().map(|channel| array(channel.name, F64));
-        let rest = ["status", "trust"].into_iter().map(|name| array(name, BYTE));
+        let codes = ["status", "trust"].into_iter().map(|name| array(name, BYTE));
+        let error = document.question.ask.times_flips().then(|| array("error", F32));
         Ok(NpzWriter {
             out,
             axes: PixelAxes::new(&document.scene(), size),
             document: document.clone(),
             channels,
-            arrays: values.chain(rest).collect::<io::Result<_>>()?,
+            arrays: values.chain(codes).chain(error).collect::<io::Result<_>>()?,
         })
     }
 
@@ -66,6 +69,9 @@ impl<W: Write> NpzWriter<W> {
             }
             self.arrays[count].file.write_all(&[status as u8])?;
             self.arrays[count + 1].file.write_all(&[samples.trust(index) as u8])?;
+            if let Some(error) = self.arrays.get_mut(count + 2) {
+                error.file.write_all(&samples.error_secs(index).to_le_bytes())?;
+            }
         }
         Ok(())
     }
@@ -154,6 +160,7 @@ fn texts(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flipmap_engine::{Assurance, Trust};
     use flipmap_pendulum::{Outcome, Status};
     use std::collections::BTreeMap;
     use std::io::Read;
@@ -176,6 +183,7 @@ mod tests {
         document.view.width = "2".into();
         let mut samples = Samples::unflipped(6);
         samples.set(0, Outcome::flipped(1.5));
+        samples.assure(0, Assurance::new(Trust::Agreed, 2e-9));
         samples.set(5, Outcome::without_time(Status::Forbidden));
         let mut npz = NpzWriter::new(Vec::new(), [2, 3], &document, 0..1).unwrap();
         npz.write(&samples).unwrap();
@@ -195,6 +203,7 @@ mod tests {
             names,
             [
                 "center.npy",
+                "error.npy",
                 "scene.npy",
                 "status.npy",
                 "theta1.npy",
@@ -210,6 +219,9 @@ mod tests {
         };
         assert!(found["time.npy"].0.contains("'shape': (3, 2)"));
         assert!(numbers("time.npy")[0] == 1.5 && numbers("time.npy")[5].is_nan());
+        let errors = found["error.npy"].1.as_chunks().0;
+        let errors: Vec<f32> = errors.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
+        assert!((errors[0] - 3.162e-9).abs() < 1e-11 && errors[1].is_nan(), "{errors:?}");
         assert_eq!(found["status.npy"].1, [1, 0, 0, 0, 0, 2]);
         assert_eq!(numbers("theta1.npy"), [-0.5, 0.5]);
         assert_eq!(numbers("theta2_from_center.npy"), [1.0, 0.0, -1.0]);

@@ -35,7 +35,7 @@ mod tests {
         let mut samples = Samples::unflipped(6);
         for (index, (_, trust)) in Trust::ALL.into_iter().enumerate() {
             assert_eq!((COLOURS[index].0, trust as usize), (trust, index));
-            samples.set_trust(index, trust);
+            samples.assure(index, trust);
         }
         samples.set(5, Outcome::without_time(Status::Forbidden));
         let bytes = trust_colours(&samples);

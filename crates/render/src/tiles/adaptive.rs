@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::preview::preview;
 use super::{Counts, Renderer, Samples};
-use flipmap_engine::{Cells, EngineError, Trust};
+use flipmap_engine::{Assurance, Cells, EngineError};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::palette::{AnswerColours, Tint};
 use flipmap_scene::{Sampling, Scene};
@@ -104,14 +104,14 @@ impl PlainPixels {
 
     /// Returns the known answer of a sample, by its column and row among all samples. A corner that
     /// only plain pixels share gets a placeholder, which is never read.
-    pub(super) fn known(&self, place: [u32; 2]) -> Option<(Outcome, Trust)> {
+    pub(super) fn known(&self, place: [u32; 2]) -> Option<(Outcome, Assurance)> {
         let Sampling::Square(along) = self.others else {
             let none = Outcome::without_time(Status::Forbidden);
-            return (!self.has_corner(place)).then_some((none, Trust::Unchecked));
+            return (!self.has_corner(place)).then_some((none, Assurance::default()));
         };
         let [x, y] = place.map(|at| at / along);
         let pixel = (y * self.size[0] + x) as usize;
-        self.is_plain[pixel].then(|| (self.samples.get(pixel), self.samples.trust(pixel)))
+        self.is_plain[pixel].then(|| (self.samples.get(pixel), self.samples.assurance(pixel)))
     }
 
     /// Returns true if a corner, by its column and row among all corners, has a sample, because it

@@ -95,12 +95,12 @@ impl CachedCell {
     pub(super) fn known(&self, place: [u32; 2], budget_secs: f64) -> Option<Known> {
         let index = self.stride.index(place, SIDE)?;
         let outcome = self.samples.get(index as usize);
-        let trust = self.samples.trust(index as usize);
+        let assurance = self.samples.assurance(index as usize);
         if outcome.status != Status::Unflipped || self.budget_secs >= budget_secs {
-            return Some((SavedPixel::Over(outcome), trust));
+            return Some((SavedPixel::Over(outcome), assurance));
         }
         let state = self.unfinished.binary_search_by_key(&index, |(index, _)| *index).ok()?;
-        Some((SavedPixel::Unfinished(self.unfinished[state].1.clone()), trust))
+        Some((SavedPixel::Unfinished(self.unfinished[state].1.clone()), assurance))
     }
 
     fn bytes(&self) -> usize {

@@ -279,10 +279,17 @@ impl Explorer {
         self.plan();
     }
 
-    /// Takes the next cells that can share a job from the queue: cells of one level, set and
-    /// stride, either all new or all to be resumed. Cells in flight stay queued until their results
-    /// are known.
-    fn next_cells(&mut self, job_size: usize) -> Option<(Wanted, Vec<Cell>)> {
+    /// Returns the budget of a cell's pass: that of the target, or of an earlier pass of the cell
+    /// if that was larger, because a cell has only one budget, from which its states are resumed.
+    fn pass_budget_secs(&self, key: (SampleSet, Cell), target: &ViewTarget) -> f64 {
+        let known = self.cache.peek(key.0, key.1);
+        known.map_or(target.budget_secs, |known| known.budget_secs.max(target.budget_secs))
+    }
+
+    /// Takes the next cells that can share a job from the queue: cells of one level, set, stride
+    /// and budget, either all new or all to be resumed. Cells in flight stay queued until their
+    /// results are known.
+    fn next_cells(&mut self, target: &ViewTarget, job_size: usize) -> Option<(Wanted, Vec<Cell>)> {
         let flying: HashSet<_> = self.in_flight.tiles().flat_map(Batch::keys).collect();
         let waits = |wanted: &Wanted| flying.contains(&self.cache_key(wanted));
         let traits = |wanted: &Wanted| {
@@ -290,7 +297,8 @@ impl Explorer {
             let (known, stride) = (self.cache.peek(set, cell), wanted.pass.stride());
             let continues =
                 known.is_some_and(|known| known.stride == stride && !known.unfinished.is_empty());
-            (set, stride, cell.level, continues)
+            let budget_secs = self.pass_budget_secs((set, cell), target);
+            (set, stride, cell.level, budget_secs, continues)
         };
         let first = *self.waiting.iter().find(|wanted| !waits(wanted))?;
         let group = traits(&first);
@@ -338,8 +346,9 @@ impl TileSource for Explorer {
     }
 
     fn next_tile(&mut self, job_size: usize) -> Option<NextTile<Batch>> {
-        let target = self.target.clone()?;
-        let (first, cells) = self.next_cells(job_size)?;
+        let mut target = self.target.clone()?;
+        let (first, cells) = self.next_cells(&target, job_size)?;
+        target.budget_secs = self.pass_budget_secs(self.cache_key(&first), &target);
         let (set, stride) = (self.cache_key(&first).0, first.pass.stride());
         let coarser = if set.refined { self.coarser(&cells) } else { Vec::new() };
         let (config, ask) = (target.physics.config, target.physics.question.ask);

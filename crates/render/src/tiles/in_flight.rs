@@ -185,8 +185,8 @@ impl<T> InFlightJobs<T> {
     fn finish(&mut self, answer: JobResult) -> Option<FinishedBatch<T>> {
         let JobInFlight { tile, mut samples, places, reader } = self.jobs.remove(&answer.id)?;
         reader.fill(&answer, &places, &mut samples);
-        for (&place, &trust) in places.iter().zip(&answer.trusts) {
-            samples.set_trust(place as usize, trust);
+        for (&place, &assurance) in places.iter().zip(&answer.assurances) {
+            samples.assure(place as usize, assurance);
         }
         let unfinished = answer.unfinished.into_iter();
         let unfinished = unfinished.map(|(k, state)| (places[k], state)).collect();

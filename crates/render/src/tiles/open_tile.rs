@@ -10,14 +10,15 @@ use super::samples::{RowMut, Samples};
 use super::saved_pixels::SavedPixel;
 use super::stride::Stride;
 use flipmap_engine::{
-    Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Separable, StartList, Starts, Trust,
+    Assurance, Cells, Deep, IntegratorConfig, IntegratorState, Leaf, Separable, StartList, Starts,
+    Trust,
 };
 use flipmap_pendulum::Outcome;
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::{ExactPlane, Fate, Grid, Grouped, Scene, SeparableGrid};
 
-/// A pixel of an earlier run, and the trust of its outcome.
-pub(super) type Known = (SavedPixel, Trust);
+/// A pixel of an earlier run, and the assurance of its outcome.
+pub(super) type Known = (SavedPixel, Assurance);
 
 /// A tile before its job: the known samples, and the starts of the other pixels.
 #[derive(Debug)]
@@ -47,8 +48,8 @@ impl OpenTile {
         let mut tile = OpenTile { samples, places: Vec::new(), starts: Starts::Rest(Vec::new()) };
         // Known pixels are not grouped at all: of the corners of pixels, most are known.
         let open = (0..).zip(pixels.iter().copied()).filter(|(place, pixel)| match known(*pixel) {
-            Some((SavedPixel::Over(outcome), trust)) => {
-                tile.set(*place, outcome, trust);
+            Some((SavedPixel::Over(outcome), assurance)) => {
+                tile.set(*place, outcome, assurance);
                 false
             }
             _ => true,
@@ -118,11 +119,11 @@ impl OpenTile {
     }
 
     /// Removes the starts of an upright tile whose samples are known.
-    pub(super) fn sparing(mut self, known: impl Fn(u32) -> Option<(Outcome, Trust)>) -> Self {
+    pub(super) fn sparing(mut self, known: impl Fn(u32) -> Option<(Outcome, Assurance)>) -> Self {
         let mut places = std::mem::take(&mut self.places);
         places.retain(|&place| match known(place) {
-            Some((outcome, trust)) => {
-                self.set(place, outcome, trust);
+            Some((outcome, assurance)) => {
+                self.set(place, outcome, assurance);
                 false
             }
             None => true,
@@ -146,8 +147,8 @@ impl OpenTile {
         let parts: Vec<Sorted> = places.par_iter().map(sorted).collect();
         let mut all = Sorted::default();
         for part in parts {
-            for (place, outcome, trust) in part.known {
-                self.set(place, outcome, trust);
+            for (place, outcome, assurance) in part.known {
+                self.set(place, outcome, assurance);
             }
             self.places.extend(part.places);
             all.starts.append(part.starts);
@@ -170,14 +171,14 @@ impl OpenTile {
         &mut self,
         plane: ExactPlane,
         groups: Grouped,
-        known: impl Fn(u32) -> Option<(Outcome, Trust)>,
+        known: impl Fn(u32) -> Option<(Outcome, Assurance)>,
     ) {
         let mut leaves = Vec::new();
         for (cell, pixels) in groups {
             let mut points = Vec::with_capacity(pixels.len());
             for (place, point) in pixels {
-                if let Some((outcome, trust)) = known(place) {
-                    self.set(place, outcome, trust);
+                if let Some((outcome, assurance)) = known(place) {
+                    self.set(place, outcome, assurance);
                 } else {
                     self.places.push(place);
                     points.push(point);
@@ -190,9 +191,9 @@ impl OpenTile {
         self.starts = Starts::Deep(Deep { leaves, plane: Box::new(plane), strict: false });
     }
 
-    fn set(&mut self, place: u32, outcome: Outcome, trust: Trust) {
+    fn set(&mut self, place: u32, outcome: Outcome, assurance: Assurance) {
         self.samples.set(place as usize, outcome);
-        self.samples.set_trust(place as usize, trust);
+        self.samples.assure(place as usize, assurance);
     }
 }
 
@@ -244,7 +245,7 @@ fn open_runs(
         }
         match grid.fate(tile.origin[0] + column, tile.origin[1] + row) {
             Fate::Known(outcome) => {
-                samples.set(column as usize, outcome, Trust::of_proved(&outcome));
+                samples.set(column as usize, outcome, Trust::of_proved(&outcome).into());
             }
             Fate::Open(angle) if angle == upright.angle(column as usize, row as usize) => {
                 open.push(first..first + 1);
@@ -262,7 +263,7 @@ const SHARE: u32 = 1 << 12;
 /// Some pixels of a tile, sorted into known samples and starts in their order.
 #[derive(Default)]
 struct Sorted {
-    known: Vec<(u32, Outcome, Trust)>,
+    known: Vec<(u32, Outcome, Assurance)>,
     /// Index of the sample of each start.
     places: Vec<u32>,
     starts: StartList,
@@ -277,11 +278,11 @@ impl Sorted {
         for place in places {
             match pixel(place) {
                 (Fate::Known(outcome), _) => {
-                    sorted.known.push((place, outcome, Trust::of_proved(&outcome)));
+                    sorted.known.push((place, outcome, Trust::of_proved(&outcome).into()));
                     continue;
                 }
-                (_, Some((SavedPixel::Over(outcome), trust))) => {
-                    sorted.known.push((place, outcome, trust));
+                (_, Some((SavedPixel::Over(outcome), assurance))) => {
+                    sorted.known.push((place, outcome, assurance));
                     continue;
                 }
                 (fate, Some((SavedPixel::Unfinished(state), _))) => {
@@ -304,10 +305,12 @@ impl Sorted {
 
 /// Returns the outcome of a deep pixel if it needs no integration. An unfinished pixel has no state
 /// of its own: with a larger budget, it starts again.
-fn known_deep((grid, [x, y], known): (&Grid, [u32; 2], Option<Known>)) -> Option<(Outcome, Trust)> {
+fn known_deep(
+    (grid, [x, y], known): (&Grid, [u32; 2], Option<Known>),
+) -> Option<(Outcome, Assurance)> {
     match known {
-        Some((SavedPixel::Over(outcome), trust)) => Some((outcome, trust)),
-        _ => grid.outcome_beside_top(x, y).map(|outcome| (outcome, Trust::Agreed)),
+        Some((SavedPixel::Over(outcome), assurance)) => Some((outcome, assurance)),
+        _ => grid.outcome_beside_top(x, y).map(|outcome| (outcome, Trust::Agreed.into())),
     }
 }
 

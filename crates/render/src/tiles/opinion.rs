@@ -82,8 +82,8 @@ fn answers(
         return Ok(None);
     };
     reader.fill(&result, &places, &mut samples);
-    for (&place, &trust) in places.iter().zip(&result.trusts) {
-        samples.set_trust(place as usize, trust);
+    for (&place, &assurance) in places.iter().zip(&result.assurances) {
+        samples.assure(place as usize, assurance);
     }
     Ok(Some(samples))
 }

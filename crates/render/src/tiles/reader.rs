@@ -87,7 +87,7 @@ impl Reader {
         let channels = self.ask.kind().channels.len();
         let mut all = Samples::unanswered(samples.len(), channels);
         for (index, outcome) in samples.iter().enumerate() {
-            all.set_trust(index, samples.trust(index));
+            all.assure(index, samples.assurance(index));
             if outcome.status != Status::Answered {
                 all.set_values(index, outcome.status, &[]);
                 continue;

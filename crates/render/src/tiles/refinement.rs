@@ -185,7 +185,7 @@ impl Coarser {
         let index = (row * SIDE + column) as usize;
         let Outcome { status, time } = self.samples.get(index);
         let time = time + away[0] * slope[0] + away[1] * slope[1];
-        Some((SavedPixel::Over(Outcome { status, time }), self.samples.trust(index)))
+        Some((SavedPixel::Over(Outcome { status, time }), self.samples.assurance(index)))
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use flipmap_engine::{Effort, Trust};
+use flipmap_engine::{Assurance, Effort, Trust};
 use flipmap_pendulum::{Outcome, Status};
 
 /// Answers and their trust, stored compactly.
@@ -14,7 +14,7 @@ pub struct Samples {
     statuses: Vec<Status>,
     /// Values of the question's channels, sample after sample.
     values: Vec<f64>,
-    trusts: Vec<Trust>,
+    assurances: Vec<Assurance>,
 }
 
 impl Samples {
@@ -28,7 +28,7 @@ impl Samples {
         Samples {
             statuses: vec![Status::Unflipped; count],
             values: vec![0.0; count * channels],
-            trusts: vec![Trust::Unchecked; count],
+            assurances: vec![Assurance::default(); count],
         }
     }
 
@@ -42,7 +42,7 @@ impl Samples {
     /// not.
     pub(crate) fn are_whole(&self, channels: usize) -> bool {
         let count = self.len();
-        self.trusts.len() == count && self.values.len() == count * channels
+        self.assurances.len() == count && self.values.len() == count * channels
     }
 
     /// Number of samples.
@@ -112,27 +112,38 @@ impl Samples {
         &mut self,
         width: usize,
     ) -> impl IndexedParallelIterator<Item = RowMut<'_>> {
-        let Samples { statuses, values, trusts } = self;
+        let Samples { statuses, values, assurances } = self;
         let rows = statuses.par_chunks_mut(width).zip(values.par_chunks_mut(width));
-        let rows = rows.zip(trusts.par_chunks_mut(width));
-        rows.map(|((statuses, times), trusts)| RowMut { statuses, times, trusts })
+        let rows = rows.zip(assurances.par_chunks_mut(width));
+        rows.map(|((statuses, times), assurances)| RowMut { statuses, times, assurances })
     }
 
     /// Returns the trust of sample `index`.
     pub fn trust(&self, index: usize) -> Trust {
-        self.trusts[index]
+        self.assurances[index].trust()
     }
 
-    /// Replaces the trust of sample `index`.
-    pub fn set_trust(&mut self, index: usize, trust: Trust) {
-        self.trusts[index] = trust;
+    /// Returns the trust of sample `index` with the estimate of its error.
+    pub fn assurance(&self, index: usize) -> Assurance {
+        self.assurances[index]
+    }
+
+    /// Returns the bound of the estimated error of sample `index` in s as it stands in arrays: NaN
+    /// where nothing was estimated.
+    pub fn error_secs(&self, index: usize) -> f32 {
+        self.assurances[index].error_secs().map_or(f32::NAN, |secs| secs as f32)
+    }
+
+    /// Replaces the trust of sample `index` and the estimate of its error.
+    pub fn assure(&mut self, index: usize, assurance: impl Into<Assurance>) {
+        self.assurances[index] = assurance.into();
     }
 
     /// Marks every checked sample as uncertain.
     pub(crate) fn distrust(&mut self) {
-        for trust in &mut self.trusts {
-            if *trust != Trust::Unchecked {
-                *trust = Trust::Uncertain;
+        for assurance in &mut self.assurances {
+            if assurance.trust() != Trust::Unchecked {
+                *assurance = assurance.with_trust(Trust::Uncertain);
             }
         }
     }
@@ -143,7 +154,7 @@ impl Samples {
         Samples {
             statuses: self.statuses[places.clone()].to_vec(),
             values: self.values[places.start * channels..places.end * channels].to_vec(),
-            trusts: self.trusts[places].to_vec(),
+            assurances: self.assurances[places].to_vec(),
         }
     }
 
@@ -151,7 +162,7 @@ impl Samples {
     pub fn append(&mut self, other: Samples) {
         self.statuses.extend(other.statuses);
         self.values.extend(other.values);
-        self.trusts.extend(other.trusts);
+        self.assurances.extend(other.assurances);
     }
 
     /// Replaces the samples from index `first` on by those at `places` in `other`, which must
@@ -162,7 +173,7 @@ impl Samples {
         let wide = |range: Range<usize>| range.start * channels..range.end * channels;
         self.values[wide(own.clone())].copy_from_slice(&other.values[wide(places.clone())]);
         self.statuses[own.clone()].copy_from_slice(&other.statuses[places.clone()]);
-        self.trusts[own].copy_from_slice(&other.trusts[places]);
+        self.assurances[own].copy_from_slice(&other.assurances[places]);
     }
 
     /// Returns the first `count` samples in reverse, which turns a tile into its mirror image.
@@ -178,7 +189,7 @@ impl Samples {
         Samples {
             statuses: self.statuses[..count].par_iter().rev().copied().collect(),
             values: values.map(backwards).collect::<Vec<_>>().concat(),
-            trusts: self.trusts[..count].par_iter().rev().copied().collect(),
+            assurances: self.assurances[..count].par_iter().rev().copied().collect(),
         }
     }
 
@@ -189,7 +200,7 @@ impl Samples {
 
     /// Size in bytes of a sample with this many channels.
     pub(crate) const fn bytes(channels: usize) -> usize {
-        size_of::<Status>() + channels * size_of::<f64>() + size_of::<Trust>()
+        size_of::<Status>() + channels * size_of::<f64>() + size_of::<Assurance>()
     }
 }
 
@@ -200,7 +211,7 @@ const SHARE: usize = 1 << 14;
 pub(super) struct RowMut<'a> {
     statuses: &'a mut [Status],
     times: &'a mut [f64],
-    trusts: &'a mut [Trust],
+    assurances: &'a mut [Assurance],
 }
 
 impl RowMut<'_> {
@@ -210,9 +221,9 @@ impl RowMut<'_> {
     }
 
     /// Replaces the outcome of a sample, and its trust.
-    pub(super) fn set(&mut self, column: usize, outcome: Outcome, trust: Trust) {
+    pub(super) fn set(&mut self, column: usize, outcome: Outcome, assurance: Assurance) {
         self.statuses[column] = outcome.status;
-        (self.times[column], self.trusts[column]) = (outcome.time, trust);
+        (self.times[column], self.assurances[column]) = (outcome.time, assurance);
     }
 }
 
@@ -241,7 +252,7 @@ pub struct Counts {
 impl Counts {
     /// Adds finished samples to the counts.
     pub(crate) fn add(&mut self, samples: &Samples) {
-        let shares = samples.statuses.par_chunks(SHARE).zip(samples.trusts.par_chunks(SHARE));
+        let shares = samples.statuses.par_chunks(SHARE).zip(samples.assurances.par_chunks(SHARE));
         let (statuses, trusts) = shares.map(counted).reduce(Default::default, |one, other| {
             let sum = |i: usize| one.0[i] + other.0[i];
             (std::array::from_fn(sum), std::array::from_fn(|i| one.1[i] + other.1[i]))
@@ -264,11 +275,11 @@ impl Counts {
 }
 
 /// Counts samples by status, and by trust where a flip is possible.
-fn counted((statuses, trusts): (&[Status], &[Trust])) -> ([u64; 4], [u64; 5]) {
+fn counted((statuses, assurances): (&[Status], &[Assurance])) -> ([u64; 4], [u64; 5]) {
     let (mut by_status, mut by_trust) = ([0; 4], [0; 5]);
-    for (status, trust) in statuses.iter().zip(trusts) {
+    for (status, assurance) in statuses.iter().zip(assurances) {
         by_status[*status as usize] += 1;
-        by_trust[*trust as usize] += u64::from(*status != Status::Forbidden);
+        by_trust[assurance.trust() as usize] += u64::from(*status != Status::Forbidden);
     }
     (by_status, by_trust)
 }
@@ -331,7 +342,7 @@ mod tests {
             for k in 0..count {
                 let values: Vec<f64> = (0..channels).map(|c| (10 * k + c) as f64).collect();
                 samples.set_values(k, Status::Answered, &values);
-                samples.set_trust(k, if k % 3 == 0 { Trust::Agreed } else { Trust::Unchecked });
+                samples.assure(k, if k % 3 == 0 { Trust::Agreed } else { Trust::Unchecked });
             }
             let image = samples.image(count);
             assert_eq!((image.len(), image.channels()), (count, channels));
@@ -351,7 +362,7 @@ mod tests {
             samples.set(place, Outcome::without_time(Status::Forbidden));
         }
         samples.set(1, Outcome::flipped(2.0));
-        samples.set_trust(1, Trust::Agreed);
+        samples.assure(1, Trust::Agreed);
         let mut counts = Counts::default();
         counts.add(&samples);
         let forbidden = samples.len().div_ceil(5) as u64;

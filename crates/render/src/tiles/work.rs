@@ -12,7 +12,7 @@ use super::plan::{Tile, plan};
 use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
-use flipmap_engine::{Cells, Engine, EngineError, EventSpec, IntegratorConfig, Trust, Wait};
+use flipmap_engine::{Assurance, Cells, Engine, EngineError, EventSpec, IntegratorConfig, Wait};
 use flipmap_pendulum::Status;
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Grid, Sampling, Scene};
@@ -204,12 +204,14 @@ impl Work {
         }
     }
 
-    fn known(&self, pixel: [u32; 2]) -> Option<(SavedPixel, Trust)> {
+    fn known(&self, pixel: [u32; 2]) -> Option<(SavedPixel, Assurance)> {
         if let Some(plain) = &self.plain {
-            return plain.known(pixel).map(|(outcome, trust)| (SavedPixel::Over(outcome), trust));
+            return plain
+                .known(pixel)
+                .map(|(outcome, assurance)| (SavedPixel::Over(outcome), assurance));
         }
         let saved = self.saved().and_then(|saved| saved.known(self.index(pixel)))?;
-        Some((saved, Trust::Unchecked))
+        Some((saved, Assurance::default()))
     }
 
     /// Returns the index of a pixel in the picture, row by row from the top.

@@ -35,7 +35,7 @@ const ERRORS: [Column<Row>; 9] = [
 ];
 
 /// Columns of what checking does.
-pub(super) const CHECKS: [Column<Checks>; 9] = [
+pub(super) const CHECKS: [Column<Checks>; 10] = [
     ("pixels", |checks| checks.pixels.to_string()),
     ("agreed", |checks| checks.agreed.to_string()),
     ("confirmed", |checks| checks.confirmed.to_string()),
@@ -45,6 +45,7 @@ pub(super) const CHECKS: [Column<Checks>; 9] = [
     ("wrong unmarked", |checks| checks.unmarked_wrong.to_string()),
     ("wrong without checks", |checks| checks.unchecked_wrong.to_string()),
     ("caught", |checks| checks.caught().to_string()),
+    ("error within its estimate", |checks| share(checks.within_estimate_share())),
 ];
 
 /// The rows of all levels, each with the level's name.

@@ -284,6 +284,17 @@ impl QuestionName {
         self.kind().needs == Needs::Outcome
     }
 
+    /// Returns true if the moment of a flip is among the answers, so that checks estimate its error.
+    pub fn times_flips(self) -> bool {
+        match self {
+            QuestionName::Flip | QuestionName::First => true,
+            QuestionName::Flips
+            | QuestionName::State
+            | QuestionName::Growth
+            | QuestionName::Return => false,
+        }
+    }
+
     /// Returns the names of all questions.
     pub(crate) fn names() -> Vec<&'static str> {
         QuestionName::ALL.map(|ask| ask.kind().name).to_vec()

@@ -70,7 +70,7 @@ mod tests {
         let colours = AnswerColours::new(&scene, &PictureTable::default()).unwrap();
         let mut samples = Samples::unanswered(2, 6);
         samples.set_values(0, Status::Answered, &[0.5, -1.0, 2.0, 3.0, 0.0, 0.0]);
-        samples.set_trust(0, Trust::Uncertain);
+        samples.assure(0, Trust::Uncertain);
         let [r, g, b] = colours.colour(Status::Answered, samples.values(0)).map(u32::from);
         let words = WordKind::Colours(Box::new(colours)).words(&samples);
         assert_eq!(words[0] >> 5, (r << 16) | (g << 8) | b);

@@ -85,7 +85,7 @@ fn add_earlier(cell: &mut CellSamples, earlier: &CachedCell) {
         is_unflipped |= status == Status::Unflipped;
         let Some(to) = moved(from as u32) else { continue };
         samples.set_values(to as usize, status, known.values(from));
-        samples.set_trust(to as usize, known.trust(from));
+        samples.assure(to as usize, known.assurance(from));
     }
     if is_unflipped && earlier.unfinished.is_empty() {
         unfinished.clear();

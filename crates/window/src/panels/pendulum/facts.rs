@@ -104,8 +104,12 @@ fn agreement(pin: &Pin) -> Option<Agreement> {
 }
 
 fn told_words(pin: &Pin) -> String {
-    let Some((outcome, trust)) = pin.told else { return "not computed yet".into() };
-    let words = outcome_words(&outcome, &pin.flight);
+    let Some((outcome, assurance)) = pin.told else { return "not computed yet".into() };
+    let mut words = outcome_words(&outcome, &pin.flight);
+    let trust = assurance.trust();
+    if let (Status::Answered, Some(secs)) = (outcome.status, assurance.error_secs()) {
+        words += &format!(" ± {} s", significant(secs, 1));
+    }
     let known = Trust::ALL.into_iter().find(|(_, t)| *t == trust && trust != Trust::Unchecked);
     known.map_or(words.clone(), |(trust, _)| format!("{words}, {trust}"))
 }

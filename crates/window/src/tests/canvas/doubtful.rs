@@ -42,7 +42,7 @@ impl Engine for Doubtful {
                 }
             }
             let trust = |angle| if is_uncertain(angle) { Trust::Uncertain } else { Trust::Agreed };
-            answer.trusts = angles.into_iter().map(trust).collect();
+            answer.assurances = angles.into_iter().map(|angle| trust(angle).into()).collect();
             answer.unfinished.clear();
         }
         Ok(finished)
