@@ -50,6 +50,27 @@ fn is_sure(answers: &[(Run, RunResult)]) -> bool {
     judge(Rule::Second, WantedEnds::None).judge(answers).is_sure
 }
 
+/// Returns the estimated error in s of the finest answer to the time of a flip.
+fn error_secs(answers: &[(Run, RunResult)]) -> Option<f64> {
+    judge(Rule::Second, WantedEnds::None).judge(answers).error_secs
+}
+
+#[test]
+fn the_estimated_error_is_the_growth_that_the_others_show_times_the_finest_scale() {
+    let by = |apart: f64| {
+        let answers = [from_rest(BALANCED, flip_at(5.0)), from_rest(FAST, flip_at(5.0 + apart))];
+        error_secs(&answers).unwrap()
+    };
+    let [near, far] = [1e-6, 1e-3].map(by);
+    assert!((far / near - 1e3).abs() < 1e-6, "{near} {far}");
+    // The error scale of the run in f32 is 3e-7, and that of the finest 2e-13.
+    assert!((1e-13..1e-11).contains(&near), "{near}");
+    assert_eq!(by(0.5), f64::INFINITY, "no run agrees");
+    let beside = [from_rest(BALANCED, flip_at(5.0)), from_rest(FAST, hangs_at(0.1))];
+    assert_eq!(error_secs(&beside), Some(f64::INFINITY));
+    assert_eq!(error_secs(&[from_rest(BALANCED, hangs_at(0.1))]), None, "there is no time");
+}
+
 fn of_status(status: Status) -> RunResult {
     RunResult { outcome: Outcome::without_time(status), end: FinalState::NOWHERE }
 }
