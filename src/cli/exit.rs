@@ -167,6 +167,12 @@ fn code_of(error: &anyhow::Error) -> u8 {
         if cause.is::<SceneError>() || cause.is::<DocumentError>() {
             return 2;
         }
+        // A name with the ending of another format.
+        if let Some(OutputError::Create { source, .. }) = cause.downcast_ref()
+            && source.kind() == io::ErrorKind::InvalidInput
+        {
+            return 2;
+        }
         if let Some(choice) = cause.downcast_ref() {
             return match choice {
                 ChoiceError::NoAdapter(_) => 69,

@@ -47,6 +47,13 @@ pub(super) fn request_like(plan: &Plan, request: EngineRequest) -> EngineRequest
     prefer_engine(request, plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
+/// Returns the number of samples that some shards lack.
+pub(super) fn missing(task: &Task, shards: std::ops::RangeInclusive<u32>) -> anyhow::Result<u64> {
+    let parts = scan(task)?;
+    let pieces = shards.flat_map(|shard| task.missing(shard, &parts));
+    Ok(pieces.map(|piece| piece.samples(task)).sum())
+}
+
 /// Computes the missing samples of some shards; if none are missing, returns the existing parts.
 pub(super) fn compute(
     task: &Task,

@@ -11,7 +11,9 @@ use flipmap_render::output::read_text;
 use flipmap_scene::film::Film;
 use flipmap_scene::keys::{Easing, Key, Keys};
 use flipmap_scene::question::QuestionName;
-use flipmap_scene::{Budget, Document, DocumentError, Sampling, Scene, Setting, View, between};
+use flipmap_scene::{
+    Budget, Document, DocumentError, Sampling, Scene, Setting, View, between, decimal_hint,
+};
 
 use super::exit::Exit;
 use super::options::{SceneWords, load, number};
@@ -168,7 +170,13 @@ impl FilmOptions {
         let said = |option: &str, text: &Option<String>, range: RangeInclusive<f64>| {
             let Some(text) = text else { return Ok(None) };
             let fine = number_or_ratio(text).filter(|number| range.contains(number));
-            let refuse = || format!("{option} is '{text}'; it must lie {}", between(&range));
+            let refuse = || {
+                format!(
+                    "{option} is '{text}'; it must lie {}{}",
+                    between(&range),
+                    decimal_hint(text)
+                )
+            };
             fine.map(Some).ok_or_else(|| Exit::Usage(refuse()))
         };
         let most = f64::from(Film::MAX_FRAMES);

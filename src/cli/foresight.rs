@@ -64,13 +64,18 @@ pub(super) fn file_size(path: &Path, size: [u32; 2], question: &QuestionSettings
     let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
     let bytes = match ending.as_ref().and_then(|ending| ending.to_str()) {
         Some("npy") => 8 * channels * pixels,
-        Some("npz") => (8 * channels + 2) * pixels,
-        Some("csv") => (40 + 20 * channels) * pixels,
-        Some("exr") => (4 * channels + 12) * pixels,
+        Some("npz") => (8 * channels + 6) * pixels,
+        Some("csv") => (50 + 20 * channels) * pixels,
+        Some("exr") => (4 * channels + 16) * pixels,
         Some("tif" | "tiff") => return format!("{}", HumanBytes(3 * pixels)),
         _ => 3 * pixels,
     };
     format!("at most {}", HumanBytes(bytes))
+}
+
+/// Returns the room that kept samples with this many channels need on the disk, in words.
+pub(super) fn samples_size(samples: u64, channels: usize) -> String {
+    format!("about {} of samples", HumanBytes(samples * (8 * channels as u64 + 2)))
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Films made frame by frame: states at advancing times, for which every trajectory is computed
 //! once, and a still per frame for any other question.
 
+use std::path::Path;
+
 use flipmap_engine::IntegratorConfig;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_render::film::{self, FilmRecipe, FilmRenderError};
@@ -14,10 +16,14 @@ use super::watch::CommandLine;
 use super::{farm, stop, video};
 
 /// Computes and writes a film frame by frame; frames that are there already are not made again.
-pub(super) fn run(options: &video::Options, film: &Film, spec: &RunSpec) -> anyhow::Result<()> {
+pub(super) fn run(
+    (options, output): (&video::Options, &Path),
+    film: &Film,
+    spec: &RunSpec,
+) -> anyhow::Result<()> {
     check(options, film)?;
     let document = film.keys[0].scene.clone().checked()?;
-    let recipe = FilmRecipe { film, document: &document, output: &options.output };
+    let recipe = FilmRecipe { film, document: &document, output };
     let encoding = farm::check(&recipe, options.quality.into())?;
     let request =
         options.film.run.engine.request(spec.setting, spec.verify).answering(&document.question);

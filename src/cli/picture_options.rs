@@ -8,7 +8,9 @@ use clap::Args;
 use flipmap_render::output::read_gradient;
 use flipmap_scene::palette::gradient_file::ENDINGS;
 use flipmap_scene::palette::{Palette, ViewTimes, budget_range_secs};
-use flipmap_scene::{Document, PictureTable, Sampling, Scale, between, in_a_row, named};
+use flipmap_scene::{
+    Document, PictureTable, Sampling, Scale, between, decimal_hint, in_a_row, named,
+};
 
 use super::exit::Exit;
 use super::options::{number, set};
@@ -71,6 +73,10 @@ pub(super) struct PictureOptions {
     /// Draw a legend in the lower left corner: the values of the colours, with units
     #[arg(long)]
     legend: bool,
+    /// Draw in the lower right corner how long a bar is, and the time that a state or a film with a
+    /// clock shows
+    #[arg(long)]
+    caption: bool,
     /// Colours of starts without an answer, of the forbidden region and of the energy curve, as in
     /// unflipped=#101018,forbidden=#303038,curve=#ffffff (default: what suits the palette)
     #[arg(hide_short_help = true, long, value_name = "NAME=#rrggbb,...")]
@@ -195,6 +201,7 @@ impl PictureOptions {
         picture.curve &= !self.no_curve;
         picture.denoise &= !self.no_denoise;
         picture.legend |= self.legend;
+        picture.caption |= self.caption;
         picture.reverse |= self.reverse;
         if let Some(text) = &self.colours {
             let refuse = |why| Exit::Usage(format!("--colours is '{text}'; {why}"));
@@ -203,7 +210,9 @@ impl PictureOptions {
         set(&mut picture.scale, "--scale", &self.scale, Scale::from_str)?;
         let within = |range: RangeInclusive<f64>| {
             move |text: &str| {
-                number(text).ok_or_else(|| format!("it must be a number {}", between(&range)))
+                number(text).ok_or_else(|| {
+                    format!("it must be a number {}{}", between(&range), decimal_hint(text))
+                })
             }
         };
         set(&mut picture.cycles, "--cycles", &self.cycles, within(PictureTable::CYCLES))?;

@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
+use flipmap_engine::Accuracy;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_render::farm::{MergeError, Plan, PlanError, PlannedOutput, StillPass, Task, TaskKind};
-use flipmap_render::film::{FilmRecipe, legend};
+use flipmap_render::film::{FilmRecipe, check_insets};
 use flipmap_render::output::{Paths, read_text, shell_word};
-use flipmap_scene::{Document, Sampling};
+use flipmap_scene::{Document, Sampling, Scene};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
+use super::foresight::{Foresight, samples_size};
 use super::frames::check_film;
 use super::option_names::by_option;
 use super::outputs::OutputOptions;
@@ -36,6 +38,10 @@ pub(super) struct PlanOptions {
     /// Plan file to write; the computed parts are stored next to it
     #[arg(short, long, value_name = "PLAN.toml")]
     output: PathBuf,
+    /// Say how many samples a shard has, how long it takes and how much room the parts need, and write
+    /// no plan
+    #[arg(hide_short_help = true, long)]
+    dry_run: bool,
     #[command(flatten)]
     film: FilmOptions,
 }
@@ -49,6 +55,9 @@ pub(super) struct RunShards {
     shard: Option<String>,
     #[command(flatten)]
     counted: Counted,
+    /// Say how many samples are missing and how long they take, and compute nothing
+    #[arg(long)]
+    dry_run: bool,
     /// Progress display on standard error
     #[arg(long, value_enum, default_value_t = Mode::Auto)]
     pub progress: Mode,
@@ -144,6 +153,9 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     if options.film.run.engine.is_open() && request.kind.is_none() {
         plan = plan.for_any_engine();
     }
+    if options.dry_run {
+        return foresee(plan, &scene, spec.setting, options);
+    }
     super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
     let task = Task::new(plan, &options.output)?;
     super::tell(&format!(
@@ -155,6 +167,21 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         options.shards
     ));
     Ok(())
+}
+
+/// Says what a plan would take: the samples of a shard with their time, and the room for all parts.
+fn foresee(
+    plan: Plan,
+    scene: &Scene,
+    setting: IntegrationSetting,
+    options: &PlanOptions,
+) -> anyhow::Result<()> {
+    let channels = scene.question.ask.kind().channels.len();
+    let samples = Task::new(plan, &options.output)?.samples();
+    let of_shard = samples.div_ceil(u64::from(options.shards));
+    let effort = Foresight::of(&options.film.run.engine, setting, of_shard);
+    super::say(&format!("each of {} shards: {}", options.shards, effort.sentence()))?;
+    super::say(&format!("parts: {}", samples_size(samples, channels)))
 }
 
 /// Refuses to overwrite a file that is not a plan: keys and scenes are TOML too.
@@ -175,7 +202,7 @@ pub(super) fn check_overwrites_only_plans(option: &str, path: &Path) -> Result<(
 fn what(options: &PlanOptions) -> anyhow::Result<(PlannedOutput, RunSpec)> {
     if options.film.says_film() {
         let (film, spec) = options.film.film()?;
-        legend(&film, &film.keys[0].scene.picture)?;
+        check_insets(&film, &film.keys[0].scene.picture)?;
         return Ok((PlannedOutput::Film(film), spec));
     }
     let words = &options.film.words;
@@ -196,6 +223,11 @@ pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
     options.engine.check()?;
     let task = farm::open(&options.plan)?;
     let shards = options.counted.shards(options.shard.as_deref(), task.plan.shards)?;
+    if options.dry_run {
+        let missing = farm::missing(&task, shards)?;
+        let effort = Foresight::of(&options.engine, setting_of(&task), missing);
+        return super::say(&effort.sentence());
+    }
     let request =
         options.engine.request(IntegrationSetting::Explicit(task.config), task.plan.verify);
     let chosen = start(&farm::request_like(&task.plan, request)).with_context(|| {
@@ -205,6 +237,15 @@ pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
     stop::listen()?;
     farm::compute(&task, shards, chosen, options.progress)?;
     Ok(())
+}
+
+/// Returns the setting of a task's configuration: the level that it belongs to, if any.
+fn setting_of(task: &Task) -> IntegrationSetting {
+    let is_it = |level: &Accuracy| {
+        level.configs().contains(&task.config) && (*level == Accuracy::Exact) == task.plan.verify
+    };
+    let level = Accuracy::ALL.into_iter().map(|(_, level)| level).find(is_it);
+    level.map_or(IntegrationSetting::Explicit(task.config), IntegrationSetting::Accuracy)
 }
 
 /// Runs `flipmap verify`.

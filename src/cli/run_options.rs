@@ -24,6 +24,7 @@ pub(super) struct RunOptions {
     /// allows), balanced (the default: all but one pixel in a thousand within 1 ms) or exact
     /// (every pixel checked, and marked where the checks disagree)
     #[arg(long, value_name = "LEVEL", hide_possible_values = true,
+          conflicts_with_all = ["method", "step", "tolerance", "precision"],
           value_parser = Suggested::of(&Accuracy::ALL))]
     accuracy: Option<String>,
     #[arg(hide_short_help = true, long, hide_possible_values = true,

@@ -1,10 +1,13 @@
 //! `flipmap video`: makes a film from keys, from scenes, or of a zoom.
 
-use std::io::ErrorKind;
+use std::fs::File;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use clap::Args;
 use flipmap_engine::choice::Chosen;
+use flipmap_engine::run_settings::RunSpec;
 use flipmap_render::farm::{Plan, PlannedOutput, Task};
 use flipmap_render::film::FilmRecipe;
 use flipmap_render::film::ffmpeg::{Codec, FilmQuality, arguments, tried};
@@ -13,6 +16,7 @@ use flipmap_scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
+use super::foresight::{Foresight, samples_size};
 use super::frames::check_film;
 use super::plan::check_overwrites_only_plans;
 use super::progress::Mode;
@@ -22,8 +26,8 @@ use super::{farm, frames, stop};
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// Film to write: .mp4, .mkv (lossless), .gif or .webp through ffmpeg, or a folder of numbered
-    /// pictures
+    /// Film to write: .mp4, .mkv (lossless), .gif or .webp through ffmpeg, a folder of numbered
+    /// pictures, or - for an .mp4 on standard output
     #[arg(short, long, value_name = "FILM")]
     pub output: PathBuf,
     #[command(flatten)]
@@ -35,6 +39,10 @@ pub(super) struct Options {
     /// Print the ffmpeg command line and exit
     #[arg(hide_short_help = true, long)]
     print_ffmpeg: bool,
+    /// Say how many frames and samples there are, how long they take and how much room they need, and
+    /// compute nothing
+    #[arg(hide_short_help = true, long)]
+    dry_run: bool,
     /// Progress display on standard error
     #[arg(hide_short_help = true, long, value_enum, default_value_t = Mode::Auto)]
     pub progress: Mode,
@@ -60,22 +68,40 @@ impl From<QualityOptions> for FilmQuality {
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
+    if options.output.as_os_str() != "-" {
+        return make(options, &options.output);
+    }
+    // ffmpeg has to seek in an .mp4.
+    let folder = tempfile::tempdir().context("cannot make a temporary folder for the film")?;
+    let film = folder.path().join("film.mp4");
+    make(options, &film)?;
+    if film.exists() {
+        io::copy(&mut File::open(&film)?, &mut io::stdout().lock())
+            .context("cannot write the film to standard output")?;
+    }
+    Ok(())
+}
+
+/// Makes the film of the options in a file or a folder.
+fn make(options: &Options, output: &Path) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (film, spec) = options.film.film()?;
-    let codec = codec_of(&options.output)?;
+    let codec = codec_of(output)?;
     if options.print_ffmpeg {
         return print(codec, &film, options);
     }
-    keep_from_frames(&options.film.files(), &options.output)?;
+    if options.dry_run {
+        return foresee(film, &spec, options);
+    }
+    keep_from_frames(&options.film.files(), output)?;
     if film.kind() != FilmKind::Flips {
-        return frames::run(options, &film, &spec);
+        return frames::run((options, output), &film, &spec);
     }
     let document = &film.keys[0].scene;
-    let output = options.output.as_path();
     let recipe = FilmRecipe { film: &film, document, output };
     let encoding = farm::check(&recipe, options.quality.into())?;
-    let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(&options.output));
-    prepare(&cache, options)?;
+    let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(output));
+    prepare(&cache, (options, output))?;
     let path = cache.join("plan.toml");
     check_overwrites_only_plans("--cache", &path)?;
     spares_plans(&path)?;
@@ -95,14 +121,34 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     farm::paint(&task, parts, &options.film.picture, &output)
 }
 
+/// Says what a film would take: its frames, its samples with their time, and the room for them.
+fn foresee(film: Film, spec: &RunSpec, options: &Options) -> anyhow::Result<()> {
+    let Film { frames, size: [width, height], fps, .. } = film;
+    let keeps_samples = film.kind() == FilmKind::Flips;
+    let engine = &options.film.run.engine;
+    let document = &film.keys[0].scene;
+    let chosen = start(&engine.request(spec.setting, spec.verify).answering(&document.question))?;
+    let channels = document.question.ask.kind().channels.len();
+    let plan = (chosen.engine.as_ref(), chosen.config, spec.verify);
+    let plan = Plan::new(PlannedOutput::Film(film), 1, plan, false);
+    let samples = Task::new(plan, &options.output)?.samples();
+    let secs = f64::from(frames) / fps;
+    super::say(&format!("{frames} frames of {width}x{height} at {fps} per second: {secs:.1} s"))?;
+    super::say(&Foresight::of(engine, spec.setting, samples).sentence())?;
+    match keeps_samples {
+        true => super::say(&format!("--cache: {}", samples_size(samples, channels))),
+        false => super::say("no samples are kept, only frames"),
+    }
+}
+
 /// Makes the folder of the samples, and rejects one that cannot be written.
-fn prepare(cache: &Path, options: &Options) -> Result<(), Exit> {
+fn prepare(cache: &Path, (options, output): (&Options, &Path)) -> Result<(), Exit> {
     let made = std::fs::create_dir_all(cache).and_then(|()| SafeFile::check(&plan_in(cache)));
     made.map_err(|error| {
         let folder = cache.display();
         let message = match error.kind() {
             ErrorKind::InvalidFilename if options.cache.is_none() => {
-                let output = options.output.display();
+                let output = output.display();
                 format!(
                     "-o: the name {output} leaves no room for .samples: shorten it, or give --cache"
                 )

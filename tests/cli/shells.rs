@@ -58,7 +58,20 @@ fn a_file_over_the_limit_of_the_shell_is_an_error_of_the_file() {
     let output = shell(&folder, &format!("ulimit -f 2; flipmap {SMALL} -o map.png"));
     assert_eq!(output.status.code(), Some(1), "{}", error_of(&output));
     assert!(error_of(&output).contains("map.png: File too large"), "{}", error_of(&output));
+    let film = ["--zoom-to", "filigree", "--secs", "2", "--fps", "10", "--size", "64x48"];
+    let told = done(&folder, &[&["video", "-o", "z", "--dry-run"], &film[..]].concat());
+    assert!(told.starts_with("20 frames of 64x48 at 10 per second: 2.0 s\n"), "{told}");
+    assert!(told.contains(" samples at most; ") && told.contains("\n--cache: about "), "{told}");
+    let plan = ["plan", "filigree", "--size", "64x48", "--shards", "4", "-o", "p.toml"];
+    let told = done(&folder, &[&plan[..], &["--dry-run"]].concat());
+    assert!(told.starts_with("each of 4 shards: 768 samples at most; "), "{told}");
+    assert!(told.ends_with("parts: about 30.00 KiB of samples\n"), "{told}");
     assert!(names_in(&folder).is_empty());
+
+    done(&folder, &plan);
+    done(&folder, &["run", "p.toml", "--shard", "1", "--engine", "cpu"]);
+    let told = done(&folder, &["run", "p.toml", "--dry-run"]);
+    assert!(told.starts_with("2,304 samples at most; at the "), "{told}");
 }
 
 #[cfg(target_os = "linux")]
@@ -87,13 +100,26 @@ fn unknown_endings_are_refused_before_the_work() {
                 .concat(),
         );
         let error = error_of(&output);
-        assert!(!output.status.success() && error.contains(list), "{options}: {error}");
+        assert!(output.status.code() == Some(2) && error.contains(list), "{options}: {error}");
     }
     let trace = flipmap(&folder, &["trace", "--start", "1,2", "-o", "d.json"]);
     assert!(error_of(&trace).contains("ends in .json, and it is written as .csv"));
     let lab = flipmap(&folder, &["lab", "twenty", "--csv", "a.png"]);
     assert!(error_of(&lab).contains("--csv: cannot write a.png: its name ends in .png"));
+    let film = ["--zoom-to", "filigree", "--secs", "2", "--fps", "10", "--size", "64x48"];
+    let told = done(&folder, &[&["video", "-o", "z", "--dry-run"], &film[..]].concat());
+    assert!(told.starts_with("20 frames of 64x48 at 10 per second: 2.0 s\n"), "{told}");
+    assert!(told.contains(" samples at most; ") && told.contains("\n--cache: about "), "{told}");
+    let plan = ["plan", "filigree", "--size", "64x48", "--shards", "4", "-o", "p.toml"];
+    let told = done(&folder, &[&plan[..], &["--dry-run"]].concat());
+    assert!(told.starts_with("each of 4 shards: 768 samples at most; "), "{told}");
+    assert!(told.ends_with("parts: about 30.00 KiB of samples\n"), "{told}");
     assert!(names_in(&folder).is_empty());
+
+    done(&folder, &plan);
+    done(&folder, &["run", "p.toml", "--shard", "1", "--engine", "cpu"]);
+    let told = done(&folder, &["run", "p.toml", "--dry-run"]);
+    assert!(told.starts_with("2,304 samples at most; at the "), "{told}");
 }
 
 #[test]
@@ -177,6 +203,19 @@ fn a_dry_run_says_what_would_be_done_and_does_nothing() {
     );
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.starts_with("80,000 samples at most; at the "), "{said}");
-    assert!(said.contains("-o a.tiff: 58.59 KiB\n--raw a.npz: at most 195.31 KiB\n"), "{said}");
+    assert!(said.contains("-o a.tiff: 58.59 KiB\n--raw a.npz: at most 273.44 KiB\n"), "{said}");
+    let film = ["--zoom-to", "filigree", "--secs", "2", "--fps", "10", "--size", "64x48"];
+    let told = done(&folder, &[&["video", "-o", "z", "--dry-run"], &film[..]].concat());
+    assert!(told.starts_with("20 frames of 64x48 at 10 per second: 2.0 s\n"), "{told}");
+    assert!(told.contains(" samples at most; ") && told.contains("\n--cache: about "), "{told}");
+    let plan = ["plan", "filigree", "--size", "64x48", "--shards", "4", "-o", "p.toml"];
+    let told = done(&folder, &[&plan[..], &["--dry-run"]].concat());
+    assert!(told.starts_with("each of 4 shards: 768 samples at most; "), "{told}");
+    assert!(told.ends_with("parts: about 30.00 KiB of samples\n"), "{told}");
     assert!(names_in(&folder).is_empty());
+
+    done(&folder, &plan);
+    done(&folder, &["run", "p.toml", "--shard", "1", "--engine", "cpu"]);
+    let told = done(&folder, &["run", "p.toml", "--dry-run"]);
+    assert!(told.starts_with("2,304 samples at most; at the "), "{told}");
 }

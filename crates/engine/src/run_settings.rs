@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use super::choice::IntegrationSetting;
 use super::{Accuracy, IntegratorConfig, Method, Precision};
-use flipmap_scene::{RunTable, SceneError, between, not_among};
+use flipmap_scene::{RunTable, SceneError, between, decimal_hint, not_among};
 
 /// The resolved settings of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -160,7 +160,13 @@ fn with_tolerance(
     precision: Precision,
     least: f64,
 ) -> Result<Method, SceneError> {
-    let refuse = |allowed: &str| SceneError::new("tolerance", format!("'{text}'"), allowed);
+    let refuse = |allowed: &str| {
+        SceneError::new(
+            "tolerance",
+            format!("'{text}'"),
+            format!("{allowed}{}", decimal_hint(text)),
+        )
+    };
     let Some(tolerant) = number(text).and_then(|tolerance| method.with_tolerance(tolerance)) else {
         return Err(refuse(match method {
             Method::Rk4 { .. } => "it is for methods that choose their steps; rk4 takes a step",

@@ -9,7 +9,7 @@ use egui::{
 };
 
 use super::drawing::{SMALL, Tint};
-use super::number_text::{of_pi, plain, power_of_ten};
+use flipmap_numbers::number_text::{of_pi, plain, power_of_ten};
 
 /// The mapping of values to places along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]

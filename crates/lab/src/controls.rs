@@ -4,8 +4,8 @@ use std::ops::RangeInclusive;
 
 use egui::{Color32, Grid, Slider, SliderClamping, Ui};
 
-use super::number_text::{brief, fixed};
 use flipmap_numbers::Decimal;
+use flipmap_numbers::number_text::{brief, fixed};
 use flipmap_pendulum::State;
 use flipmap_scene::{Kind, PendulumSpec};
 

@@ -5,8 +5,8 @@ use egui::{Grid, Ui};
 use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{FigureCanvas, end, ends, wrapped};
-use super::number_text::{column, fixed};
 use super::{FigureRequest, LiveFigure};
+use flipmap_numbers::number_text::{column, fixed};
 use flipmap_pendulum::State;
 
 /// The live figure of a double pendulum, with both angles and the second pivot on the first bob.

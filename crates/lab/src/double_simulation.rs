@@ -4,7 +4,7 @@ use egui::Response;
 
 use super::clock::Clock;
 use super::drawing::{FigureCanvas, angle_of, ends, wrapped};
-use super::number_text::fixed;
+use flipmap_numbers::number_text::fixed;
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::rk4;
 use flipmap_pendulum::{Pendulum, State};

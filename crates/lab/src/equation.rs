@@ -4,7 +4,7 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId};
 
 use super::drawing::{LETTER, Tint, wrapped};
-use super::number_text::{brief, fixed};
+use flipmap_numbers::number_text::{brief, fixed};
 use flipmap_pendulum::State;
 use flipmap_pendulum::pendulum::Equation;
 use flipmap_scene::{Kind, PendulumSpec};

@@ -6,7 +6,7 @@ use egui::{Color32, Grid, Image, Sense, TextureHandle, Ui, vec2};
 use super::Figure;
 use super::colour_words::colour_words;
 use super::controls::row;
-use super::number_text::{brief, count, plain};
+use flipmap_numbers::number_text::{brief, count, plain};
 use flipmap_pendulum::{Pendulum, Rule};
 use flipmap_scene::palette::{AnswerColours, Rgb};
 use flipmap_scene::{Document, Kind, Plane, PlaneKind, QuestionSettings, Scene};

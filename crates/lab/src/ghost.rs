@@ -5,9 +5,9 @@ use egui::{Grid, Ui, vec2};
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::{coloured_row, row};
 use super::drawing::{FigureCanvas, Tint, end};
-use super::number_text::{column, fixed};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
+use flipmap_numbers::number_text::{column, fixed};
 use flipmap_pendulum::State;
 use flipmap_pendulum::simple::MAX_AMPLITUDE;
 

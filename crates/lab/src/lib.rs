@@ -29,7 +29,6 @@ pub mod home;
 mod integrators;
 mod labels;
 mod machine;
-pub mod number_text;
 mod playing;
 mod sheet;
 mod single;

@@ -5,9 +5,9 @@ use egui::{Grid, ProgressBar, Ui, vec2};
 use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::FigureCanvas;
-use super::number_text::{fixed, signed};
 use super::sheet::Sheet;
 use super::{FigureRequest, LiveFigure};
+use flipmap_numbers::number_text::{fixed, signed};
 use flipmap_pendulum::State;
 
 /// A live figure of the double pendulum with its equation and energy.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use egui::{Slider, Ui};
 
 use super::LiveFigure;
-use super::number_text::column;
+use flipmap_numbers::number_text::column;
 
 /// The state of a figure's playback.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,8 @@
 //! * [`Dd`] is a pair of `f64`, [`Fixed`] a fixed-point number of any length, [`Decimal`] a number
 //!   exactly as it was typed;
 //! * [`dual`] and [`jet`] carry derivatives, of first and of higher order;
-//! * [`polynomial`] and [`sign_changes`] find roots over one step.
+//! * [`polynomial`] and [`sign_changes`] find roots over one step;
+//! * [`number_text`] writes numbers for people.
 //!
 //! ```
 //! use flipmap_numbers::Dd;
@@ -24,6 +25,7 @@ pub mod fixed;
 pub mod frame;
 pub mod jet;
 mod jet_product;
+pub mod number_text;
 pub mod polynomial;
 pub mod real;
 pub mod sign_changes;

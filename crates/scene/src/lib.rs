@@ -52,7 +52,7 @@ pub use document::{Document, DocumentError, RunTable, one_line};
 pub use exact_plane::ExactPlane;
 pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
-pub use pasted::plain_numbers;
+pub use pasted::{decimal_hint, plain_numbers};
 pub use picture::{PictureTable, Sampling, Scale, Shown};
 pub use pixel_axes::PixelAxes;
 pub use plane::{Axis, Plane, PlaneKind};

@@ -50,6 +50,11 @@ pub(crate) fn comma_for_point(text: &str, count: usize) -> Option<String> {
     Some(format!("; decimals are written with a point, as in {}", numbers.join(",")))
 }
 
+/// Returns a hint if a text is a number with a comma where the decimal point should be; empty if not.
+pub fn decimal_hint(text: &str) -> String {
+    comma_for_point(text, 1).unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -58,6 +58,9 @@ pub struct PictureTable {
     /// True if a legend is drawn in the corner.
     #[serde(skip_serializing_if = "is_default")]
     pub legend: bool,
+    /// True if a bar of round length, and the time that the picture shows, are drawn in the corner.
+    #[serde(skip_serializing_if = "is_default")]
+    pub caption: bool,
     /// Bits of each channel of a picture's colours, 8 or 16.
     #[serde(skip_serializing_if = "is_eight")]
     pub bits: u8,
@@ -89,6 +92,7 @@ impl Default for PictureTable {
             of_view: false,
             channel: None,
             legend: false,
+            caption: false,
             bits: 8,
             relief: 0.0,
             light: UPPER_LEFT_DEG,
@@ -266,6 +270,7 @@ impl PictureTable {
             samples: self.samples,
             adaptive: self.adaptive,
             legend: self.legend,
+            caption: self.caption,
             bits: self.bits,
             channel: self.channel.clone(),
             ..other.clone()

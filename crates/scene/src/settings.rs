@@ -124,7 +124,7 @@ static TABLE: [SettingDef; 17] = [
         is_basic: false,
         names: Vec::new,
         allowed: |_| format!("it must be a number of degrees {}", between(&View::ROTATIONS_DEG)),
-        set: |scene, text| put(&mut scene.view.rotate, number(text)?),
+        set: |scene, text| put(&mut scene.view.rotate, number(text.trim_end_matches(['°', ' ']))?),
         get: |scene| scene.view.rotate.to_string(),
     },
     SettingDef {

@@ -4,7 +4,7 @@ use super::hover::Answer;
 use super::map::Hovered;
 use super::reach::Reach;
 use flipmap_engine::Trust;
-use flipmap_lab::number_text::fixed;
+use flipmap_numbers::number_text::fixed;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::Status;
 use flipmap_scene::lattice::pitch_rad;

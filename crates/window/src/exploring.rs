@@ -14,7 +14,7 @@ use super::panels::tiles::{PlaceTile, place_tiles};
 use super::panels::whereabouts::whereabouts;
 use super::reach::Reach;
 use super::small_pictures::{ASPECT, SmallPictures};
-use flipmap_lab::number_text::fixed;
+use flipmap_numbers::number_text::fixed;
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Budget, Document, Scene, View};
 

@@ -3,7 +3,7 @@
 use super::model::AppModel;
 use super::panels::accuracy;
 use super::panels::status::{StatusLine, depth_words, short};
-use flipmap_lab::number_text::{count, fixed, significant};
+use flipmap_numbers::number_text::{count, fixed, significant};
 
 impl AppModel {
     /// Returns the content of the line below the map.

@@ -4,9 +4,10 @@ use super::merge::some_rows;
 use super::task::{FrameGroupTask, TaskKind};
 use super::{PartError, Parts, Task};
 use crate::film::{
-    Colours, FilmRenderError, FlipWindow, FramePainter, FramePixels, Mip, legend, tones,
+    Colours, FilmRenderError, FlipWindow, FramePainter, FramePixels, Mip, film_caption,
+    film_legend, tones,
 };
-use crate::output::{Legend, RowPainter};
+use crate::output::{Inset, RowPainter};
 use flipmap_scene::PictureTable;
 use flipmap_scene::film::{Film, Shot};
 
@@ -33,7 +34,8 @@ pub(crate) fn frames<'a>(
             let mut frames = FlipFrames {
                 colours: Colours::new(tones(film, picture)?, picture.relief > 0.0),
                 painter: FramePainter::new(film.size, picture),
-                legend: legend(film, picture)?,
+                legend: film_legend(film, picture)?,
+                picture,
                 last: None,
                 task,
                 film,
@@ -53,7 +55,8 @@ struct FlipFrames<'a> {
     parts: &'a mut Parts,
     colours: Colours,
     painter: FramePainter,
-    legend: Option<Legend>,
+    legend: Option<Inset>,
+    picture: &'a PictureTable,
     /// The colours of the last frame's patches; its group and the flips that it shows.
     last: Option<(Mip, usize, FlipWindow)>,
 }
@@ -72,8 +75,9 @@ impl FlipFrames<'_> {
         };
         let mut rgb = self.painter.paint(shot, &mut mip)?;
         self.last = Some((mip, group, shown));
-        if let Some(legend) = &self.legend {
-            legend.lay_over(&mut rgb, self.film.size[0]);
+        let caption = film_caption(self.film, self.picture, shot)?;
+        for inset in self.legend.iter().chain(&caption) {
+            inset.lay_over(&mut rgb, self.film.size[0]);
         }
         Ok(rgb)
     }

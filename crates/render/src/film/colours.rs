@@ -2,7 +2,7 @@
 
 use super::WAITING;
 use super::mip::{LOOKS, Light, Looks};
-use crate::output::Legend;
+use crate::output::{Inset, caption, legend};
 use crate::tiles::Samples;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::film::{Film, Shot};
@@ -119,13 +119,32 @@ pub(crate) fn tones(film: &Film, picture: &PictureTable) -> Result<Tones, SceneE
     Tones::new(picture, film.keys[0].scene.pendulum.unit_secs(), film.budget_secs())
 }
 
-/// Returns the legend of a film, if its picture has one; refuses frames with too little room.
-pub fn legend(film: &Film, picture: &PictureTable) -> Result<Option<Legend>, SceneError> {
+/// Refuses a film whose frames have too little room for what is to be drawn over them.
+pub fn check_insets(film: &Film, picture: &PictureTable) -> Result<(), SceneError> {
+    film_legend(film, picture)?;
+    film_caption(film, picture, &film.shot(0))?;
+    Ok(())
+}
+
+/// Returns the caption of a frame that shows a shot, if the film's picture has one.
+pub(crate) fn film_caption(
+    film: &Film,
+    picture: &PictureTable,
+    shot: &Shot,
+) -> Result<Option<Inset>, SceneError> {
+    picture.caption.then(|| caption(&shot.scene, shot.clock_secs, film.size)).transpose()
+}
+
+/// Returns the legend of a film, if its picture has one.
+pub(crate) fn film_legend(
+    film: &Film,
+    picture: &PictureTable,
+) -> Result<Option<Inset>, SceneError> {
     if !picture.legend {
         return Ok(None);
     }
     let mut scene = film.keys[0].scene.scene();
     scene.question.budget.secs = film.budget_secs();
     let colours = AnswerColours::new(&scene, picture)?;
-    Legend::new(&colours, scene.question.ask, film.size).map(Some)
+    legend(&colours, scene.question.ask, film.size).map(Some)
 }

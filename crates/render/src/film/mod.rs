@@ -37,9 +37,9 @@ mod paint;
 mod recipe;
 mod sink;
 
-pub use colours::{Colours, legend, settle_colours};
+pub use colours::{Colours, check_insets, settle_colours};
 
-pub(crate) use colours::{FlipWindow, tones};
+pub(crate) use colours::{FlipWindow, film_caption, film_legend, tones};
 pub(crate) use frames::FrameError;
 pub use frames::Frames;
 pub(crate) use mip::Mip;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::ffmpeg::{Codec, Encoding, FfmpegError, FilmQuality, tried};
 use super::sink::FilmSink;
-use super::{FrameError, legend};
+use super::{FrameError, check_insets};
 use crate::Watch;
 use crate::farm::{PartError, Parts, Task, frames};
 use crate::output::{OutputError, RowPainter};
@@ -59,7 +59,7 @@ impl FilmRecipe<'_> {
     /// Refuses a film that could not be painted or written, before an engine is started. Returns how
     /// a file is encoded, after a trial on one frame; none for a folder.
     pub fn check(&self, quality: FilmQuality) -> Result<Option<Encoding>, FilmRenderError> {
-        legend(self.film, &self.document.picture)?;
+        check_insets(self.film, &self.document.picture)?;
         FilmSink::check(self.output)?;
         let codec = Codec::of(self.output);
         Ok(codec.map(|codec| tried(codec, quality, self.film, self.output)).transpose()?)

@@ -24,7 +24,8 @@ pub fn check_ending(path: &Path, endings: &[&str]) -> io::Result<()> {
         [] => String::new(),
     };
     let ending = ending.to_string_lossy();
-    Err(io::Error::other(format!("its name ends in .{ending}, and it is written as {known}")))
+    let why = format!("its name ends in .{ending}, and it is written as {known}");
+    Err(io::Error::new(io::ErrorKind::InvalidInput, why))
 }
 
 #[cfg(test)]

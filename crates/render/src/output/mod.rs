@@ -4,6 +4,7 @@
 //! a failure or an interruption leaves the earlier file as it was. Rows are written as their
 //! samples come, and only a few are held: pictures can be larger than memory.
 
+mod caption;
 pub mod compare;
 mod comparison;
 mod corner_rows;
@@ -15,6 +16,7 @@ mod ending;
 mod exr;
 mod failure;
 mod gradient;
+mod inset;
 mod legend;
 mod lit_rows;
 mod nearest_return;
@@ -45,6 +47,7 @@ mod trust;
 mod whole_picture;
 mod whole_png;
 
+pub(crate) use caption::caption;
 pub(crate) use curve::CurveBand;
 pub use device::{Device, stop_writing_when};
 pub use digest::sha256;
@@ -53,7 +56,8 @@ pub(crate) use exr::ExrWriter;
 pub use failure::{OutputError, RenderError, is_broken_pipe, is_stopped, sentence};
 pub use flipmap_engine::plain_file::{open_plain, read_plain, read_text};
 pub use gradient::read_gradient;
-pub use legend::Legend;
+pub(crate) use inset::Inset;
+pub(crate) use legend::legend;
 pub use npy::NpyWriter;
 pub use one_file::{is_one_file, is_stdout};
 pub use paint::RowPainter;

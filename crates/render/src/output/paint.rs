@@ -1,14 +1,16 @@
 //! Colours samples: palette, light from the side, mean of several samples per pixel, grain, energy
-//! curve, legend.
+//! curve, legend, caption.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::caption::caption;
 use super::corner_rows::CornerRows;
 use super::curve::CurveBand;
-use super::legend::Legend;
+use super::inset::Inset;
+use super::legend::legend;
 use super::lit_rows::LitRows;
 use crate::denoise::DenoisedRows;
 use crate::tiles::{PlainPixels, Samples};
@@ -23,7 +25,8 @@ pub struct RowPainter {
     colours: AnswerColours,
     /// True where the energy curve is drawn.
     curve: bool,
-    legend: Option<Legend>,
+    /// The legend and the caption, if they are wanted.
+    insets: Vec<Inset>,
     lit: Option<LitRows>,
     samples_along: u32,
     /// The pixels, if the samples to be painted are those of their corners.
@@ -42,7 +45,8 @@ impl RowPainter {
     /// painted.
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
         let colours = AnswerColours::new(scene, picture)?;
-        let legend = || Legend::new(&colours, scene.question.ask, size);
+        let legend = picture.legend.then(|| legend(&colours, scene.question.ask, size));
+        let caption = picture.caption.then(|| caption(scene, None, size));
         let samples_along = picture.samples.along();
         let fine = size.map(|side| side * samples_along);
         let relief = Relief::of(picture).filter(|_| colours.times().is_some());
@@ -50,7 +54,7 @@ impl RowPainter {
         let denoised = picture.denoises().then(|| DenoisedRows::new(size, &colours.ground()));
         let curve = picture.curve && scene.build.pendulum().q > 0.0;
         Ok(RowPainter {
-            legend: picture.legend.then(legend).transpose()?,
+            insets: legend.into_iter().chain(caption).collect::<Result<_, _>>()?,
             lit: relief.map(|relief| LitRows::new(relief, fine)),
             colours,
             curve,
@@ -149,7 +153,7 @@ impl RowPainter {
         pixels
     }
 
-    /// Draws the energy curve and the legend over the colours of a whole picture, which were
+    /// Draws the energy curve and the insets over the colours of a whole picture, which were
     /// painted elsewhere; returns its pixels as RGB bytes.
     pub fn marked(&self, colours: &[Rgb]) -> Vec<u8> {
         let mut tints: Vec<Tint> = colours.iter().copied().map(tint_of).collect();
@@ -157,9 +161,9 @@ impl RowPainter {
         tints.into_iter().flat_map(rounded).collect()
     }
 
-    /// Draws the energy curve and the legend over the next rows.
+    /// Draws the energy curve and the insets over the next rows.
     fn mark(&self, pixels: &mut [Tint]) {
-        if !self.curve && self.legend.is_none() {
+        if !self.curve && self.insets.is_empty() {
             return;
         }
         let width = self.grid.size()[0] as usize;
@@ -174,16 +178,13 @@ impl RowPainter {
         });
     }
 
-    /// Returns the colour of a pixel under the energy curve and the legend.
+    /// Returns the colour of a pixel under the energy curve and the insets.
     fn with_marks(&self, tint: Tint, [column, row]: [u32; 2], curve: Option<&CurveBand>) -> Tint {
         let tint = match curve.map_or(0.0, |band| band.cover(&self.grid, column, row)) {
             0.0 => tint,
             cover => mixed(tint, tint_of(self.colours.ground().curve), cover as f32),
         };
-        match &self.legend {
-            Some(legend) => legend.over(tint, column, row),
-            None => tint,
-        }
+        self.insets.iter().fold(tint, |tint, inset| inset.over(tint, column, row))
     }
 }
 

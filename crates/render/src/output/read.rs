@@ -144,8 +144,10 @@ fn document_in(mut file: impl BufRead + Seek, path: &Path) -> Result<Document, R
     };
     // Windows' editors begin a text with a mark of the byte order.
     let text = text.trim_start_matches('\u{feff}');
-    if let Ok(scene) = location::parse(text) {
-        return Ok(Document::default().with_scene(scene));
+    match location::parse(text) {
+        Ok(scene) => return Ok(Document::default().with_scene(scene)),
+        Err(location::LocationError::Foreign) => {}
+        Err(why) => return Err(ReadError::Location { why }),
     }
     Document::parse(text).map_err(|why| match is_scene || text.contains('=') {
         true => ReadError::Scene { path: named(), why },

@@ -9,7 +9,7 @@ use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::passes::{Pass, passes_in};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};
 use flipmap_pendulum::{Pendulum, Rule, State};
-use flipmap_scene::{Budget, Scene, SceneError, between, in_rad, plain_numbers};
+use flipmap_scene::{Budget, Scene, SceneError, between, decimal_hint, in_rad, plain_numbers};
 
 /// The result of [`Trace::advance`].
 pub(super) enum Advance {
@@ -174,7 +174,8 @@ const MAX_ROWS: f64 = 1e8;
 fn secs_from_text(setting: &'static str, text: &str) -> Result<Dd, SceneError> {
     Dd::parse(&plain_numbers(text)).filter(|time| Budget::SECS.contains(&time.hi)).ok_or_else(
         || {
-            let range = format!("it must be a number of seconds {}", between(&Budget::SECS));
+            let seconds = between(&Budget::SECS);
+            let range = format!("it must be a number of seconds {seconds}{}", decimal_hint(text));
             SceneError::new(setting, format!("'{text}'"), range)
         },
     )

@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use flipmap_lab::number_text::significant;
+use flipmap_numbers::number_text::significant;
 use flipmap_scene::Scene;
 
 /// The state shown in the panel.

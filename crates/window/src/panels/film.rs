@@ -7,7 +7,7 @@ use super::field::number;
 use super::sentence::sentence;
 use crate::film_draft::FilmDraft;
 use crate::flight::playback::Playback;
-use flipmap_lab::number_text::significant;
+use flipmap_numbers::number_text::significant;
 
 /// An action of the user in the panel.
 #[derive(Clone, Debug, PartialEq)]

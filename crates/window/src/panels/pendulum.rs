@@ -11,7 +11,7 @@ use egui::{Atom, Button, Response, Role, Slider, Stroke, Ui, WidgetInfo, vec2};
 use crate::flight::playback::SPEEDS;
 use crate::pins::{Pin, PinAction, Pins};
 use flipmap_lab::drawing::{CANVAS, FAINT, INK};
-use flipmap_lab::number_text::fixed;
+use flipmap_numbers::number_text::fixed;
 
 pub(crate) use drawing::miniature;
 

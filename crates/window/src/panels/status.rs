@@ -3,7 +3,7 @@
 use egui::{ProgressBar, Ui};
 
 use flipmap_engine::{DepthStats, Precision};
-use flipmap_lab::number_text::{fixed, significant};
+use flipmap_numbers::number_text::{fixed, significant};
 use flipmap_render::tiles::explorer::ViewProgress;
 
 /// The content of the line.

@@ -9,7 +9,7 @@ use egui::{
 use crate::action::{Action, Look};
 use crate::camera::Camera;
 use crate::small_pictures::ASPECT;
-use flipmap_lab::number_text::significant;
+use flipmap_numbers::number_text::significant;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::{BUILT_IN, Plane};
 

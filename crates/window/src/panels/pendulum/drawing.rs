@@ -10,7 +10,7 @@ use super::{CANVAS, FAINT, INK, TimeColour};
 use crate::overlay::disc_beside;
 use crate::pins::{Pin, Pins};
 use flipmap_lab::drawing::corner_inside;
-use flipmap_lab::number_text::fixed;
+use flipmap_numbers::number_text::fixed;
 use flipmap_pendulum::State;
 use flipmap_scene::{Kind, PendulumSpec};
 

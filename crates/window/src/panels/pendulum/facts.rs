@@ -5,7 +5,7 @@ use egui::{Grid, RichText, Ui};
 use crate::flight::{Agreement, Flight, FlightEnding};
 use crate::pins::Pin;
 use flipmap_engine::Trust;
-use flipmap_lab::number_text::{fixed, significant};
+use flipmap_numbers::number_text::{fixed, significant};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::separation::reading_at;
 use flipmap_pendulum::{Outcome, Status};
