@@ -6,7 +6,7 @@ use flipmap_engine::choice::{Chosen, EngineRequest};
 use flipmap_render::farm::{self, OpenChoices, Parts, Plan, RunError, Task, TaskKind};
 use flipmap_render::film::ffmpeg::{Codec, Encoding, FilmQuality};
 use flipmap_render::film::{self, FilmRecipe, FilmRenderError};
-use flipmap_render::output::{read_text, shell_word};
+use flipmap_render::output::{Destination, read_text, shell_word};
 use flipmap_render::tiles::Renderer;
 use flipmap_scene::film::{Film, FilmKind};
 use flipmap_scene::{Document, Sampling};
@@ -125,6 +125,8 @@ pub(super) fn lacks(missing: &[u32], task: &Task, plan: &Path, from: u32) -> Exi
 /// Where a film goes, how it is encoded, and how progress is shown.
 pub(super) struct FilmOutput<'a> {
     pub path: &'a Path,
+    /// What the user called it.
+    pub told: &'a Path,
     pub encoding: Option<Encoding>,
     pub mode: Mode,
 }
@@ -147,7 +149,7 @@ pub(super) fn paint(
     } else {
         document = document.checked()?;
     }
-    let FilmOutput { path: output, encoding, mode } = *to;
+    let FilmOutput { path: output, told, encoding, mode } = *to;
     let recipe = FilmRecipe { film, document: &document, output };
     let watch = CommandLine::new(mode, "frames", None);
     let painted = recipe.merge(encoding, task, &mut parts, &watch);
@@ -160,14 +162,14 @@ pub(super) fn paint(
         FilmRenderError::Ffmpeg(_) if stop::asked() => Exit::Unwritten.into(),
         error => error.into(),
     })?;
-    tell_made(&recipe);
+    tell_made(film, told);
     Ok(())
 }
 
 /// Says that a film is complete.
-pub(super) fn tell_made(recipe: &FilmRecipe) {
-    let Film { size: [width, height], frames, fps, .. } = recipe.film;
-    let output = recipe.output.display();
+pub(super) fn tell_made(film: &Film, output: &Path) {
+    let Film { size: [width, height], frames, fps, .. } = film;
+    let output = Destination::from(output);
     let frames = if *frames == 1 { "1 frame".to_string() } else { format!("{frames} frames") };
     super::tell(&format!("flipmap: {frames} of {width}x{height} at {fps} per second in {output}"));
 }

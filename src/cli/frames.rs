@@ -38,7 +38,7 @@ pub(super) fn run(
         FilmRenderError::Stopped => Exit::Again.into(),
         error => anyhow::Error::from(error),
     })?;
-    farm::tell_made(&recipe);
+    farm::tell_made(film, &options.output);
     Ok(())
 }
 

@@ -279,7 +279,8 @@ pub(super) fn merge(options: &MergeOptions) -> anyhow::Result<()> {
             let recipe = FilmRecipe { film, document: &film.keys[0].scene, output };
             let encoding = farm::check(&recipe, options.quality.into())?;
             let parts = farm::complete(&task, &options.plan)?;
-            let output = farm::FilmOutput { path: output, encoding, mode: options.progress };
+            let (path, told, mode) = (output, output, options.progress);
+            let output = farm::FilmOutput { path, told, encoding, mode };
             farm::paint(&task, parts, &options.picture, &output)
         }
         TaskKind::Still(document, passes) => merge_still(&task, document, passes, options),

@@ -71,10 +71,16 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if options.output.as_os_str() != "-" {
         return make(options, &options.output);
     }
+    SafeFile::check(&Destination::from(Path::new("-")))
+        .context("-o: cannot write standard output")?;
     // ffmpeg has to seek in an .mp4.
     let folder = tempfile::tempdir().context("cannot make a temporary folder for the film")?;
     let film = folder.path().join("film.mp4");
-    make(options, &film)?;
+    make(options, &film).map_err(|error| match error.downcast_ref() {
+        // The samples lie in the temporary folder.
+        Some(Exit::Again | Exit::Unwritten) if options.cache.is_none() => Exit::Interrupted.into(),
+        _ => error,
+    })?;
     if film.exists() {
         io::copy(&mut File::open(&film)?, &mut io::stdout().lock())
             .context("cannot write the film to standard output")?;
@@ -117,7 +123,8 @@ fn make(options: &Options, output: &Path) -> anyhow::Result<()> {
         Some(parts) => parts,
         None => farm::complete(&task, &path)?,
     };
-    let output = farm::FilmOutput { path: output, encoding, mode: options.progress };
+    let output =
+        farm::FilmOutput { path: output, told: &options.output, encoding, mode: options.progress };
     farm::paint(&task, parts, &options.film.picture, &output)
 }
 

@@ -73,7 +73,8 @@ fn films_of_odd_sizes_rates_and_names_are_made() {
 #[cfg_attr(no_ffmpeg, ignore = "FLIPMAP_NO_FFMPEG=1 declares that there is no ffmpeg")]
 fn a_film_on_standard_output_is_the_mp4_and_leaves_nothing_behind() {
     let folder = folder();
-    let zoom = ["video", "--zoom-to", "filigree", "--size", "64x48", "--frames", "6", "--caption"];
+    let zoom =
+        ["video", "--zoom-to", "filigree", "--size", "160x120", "--frames", "6", "--caption"];
     let film = flipmap(&folder, &[&zoom[..], &CPU, &["-o", "-"]].concat());
     assert!(film.status.success(), "{}", error_of(&film));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);

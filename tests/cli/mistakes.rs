@@ -39,7 +39,11 @@ const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (&["--rotate", "1,5°"], 2, &["--rotate is '1,5°'", "a number of degrees"]),
     (&["--tolerance", "1,5"], 2, &["--tolerance is '1,5'", "with a point, as in 1.5"]),
     (&["--cycles", "1,5"], 2, &["--cycles is '1,5'", "with a point, as in 1.5"]),
-    (&["--accuracy", "fast", "--step", "0.01"], 2, &["--accuracy", "cannot be used with", "--step"]),
+    (
+        &["--accuracy", "fast", "--step", "0.01"],
+        2,
+        &["--accuracy", "cannot be used with", "--step"],
+    ),
     (&["--method", "leapfrog"], 2, &["--method", "rk4"]),
     (&["--precision", "f16"], 2, &["--precision", "f32, df32, f64, dd"]),
     (&["--samples", "9"], 2, &["--samples"]),
