@@ -169,10 +169,17 @@ fn default_verb() -> Verb {
     Cli::command().error(ErrorKind::MissingSubcommand, text).exit()
 }
 
-/// Prints a line to standard output; a closed pipe is an ordinary error.
+/// Prints a line to standard output; a closed pipe is an ordinary error, and so is an output that was
+/// closed before the program began.
 fn say(text: &str) -> anyhow::Result<()> {
     use std::io::Write;
+    check_stdout()?;
     Ok(writeln!(std::io::stdout(), "{text}")?)
+}
+
+/// Refuses a standard output that was closed before the program began.
+fn check_stdout() -> anyhow::Result<()> {
+    SafeFile::check(&Destination::Stdout).context("cannot write standard output")
 }
 
 /// Prints a line to standard output; a closed pipe is ignored, as the exit code says the same.

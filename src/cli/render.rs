@@ -59,6 +59,9 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
+    if options.json {
+        super::check_stdout()?;
+    }
     let (mut document, spec, outputs) = prepare(options)?;
     let (scene, paths) = (document.scene(), outputs.paths());
     let mut continued =

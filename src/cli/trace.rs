@@ -49,6 +49,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
             Exit::Usage("--json needs -o FILE.csv: both would use standard output".into()).into()
         );
     }
+    if to_stdout {
+        super::check_stdout()?;
+    }
     let destination = Destination::from(options.output.as_deref().unwrap_or("-".as_ref()));
     let mut out = match &options.output {
         Some(_) => SafeFile::create(&destination)

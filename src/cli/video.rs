@@ -71,8 +71,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if options.output.as_os_str() != "-" {
         return make(options, &options.output);
     }
-    SafeFile::check(&Destination::from(Path::new("-")))
-        .context("-o: cannot write standard output")?;
+    super::check_stdout()?;
     // ffmpeg has to seek in an .mp4.
     let folder = tempfile::tempdir().context("cannot make a temporary folder for the film")?;
     let film = folder.path().join("film.mp4");

@@ -69,6 +69,13 @@ fn a_picture_that_no_one_takes_is_an_error() {
     assert_eq!(output.status.code(), Some(1), "{}", error_of(&output));
     assert!(error_of(&output).contains("cannot write standard output: it is closed"));
     assert!(shell(&folder, &format!("flipmap {SMALL} -o - >/dev/null")).status.success());
+    let small = |options: &str| format!("{SMALL} -o a.png {options}");
+    let trace = "trace --start 1,2 --until 1".to_string();
+    for command in [small("--json"), small("--dry-run"), trace] {
+        let output = shell(&folder, &format!("flipmap {command} >&-"));
+        let error = error_of(&output);
+        assert!(output.status.code() == Some(1) && error.contains("it is closed"), "{error}");
+    }
 }
 
 #[test]
