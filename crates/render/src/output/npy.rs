@@ -96,6 +96,9 @@ impl NpyNumbers {
     }
 }
 
+/// Largest size of a header that is read.
+const MAX_HEADER_BYTES: u64 = 1 << 20;
+
 /// Reads width, height, number of channels and kind of numbers of an array from its header; the
 /// error is a phrase. Only the keys and values that NumPy writes for such arrays are accepted: others
 /// change what the numbers mean.
@@ -103,13 +106,22 @@ pub(super) fn npy_shape(
     file: &mut impl Read,
 ) -> Result<([u32; 2], usize, NpyNumbers), &'static str> {
     let cut = |_| "it ends within its header";
-    let mut head = [0; 10];
+    let mut head = [0; 8];
     file.read_exact(&mut head).map_err(cut)?;
-    if !head.starts_with(b"\x93NUMPY\x01\x00") {
-        return Err("it does not begin as .npy files of version 1 do");
+    // Versions 2 and 3, which NumPy writes for long headers, have a longer length.
+    let mut length = [0; 4];
+    let size = match head.strip_prefix(b"\x93NUMPY") {
+        Some([1, 0]) => 2,
+        Some([2 | 3, 0]) => 4,
+        _ => return Err("it does not begin as .npy files of versions 1 to 3 do"),
+    };
+    file.read_exact(&mut length[..size]).map_err(cut)?;
+    let mut text = Vec::new();
+    let length = u64::from(u32::from_le_bytes(length)).min(MAX_HEADER_BYTES);
+    match file.take(length).read_to_end(&mut text) {
+        Ok(read) if read as u64 == length => {}
+        _ => return Err("it ends within its header"),
     }
-    let mut text = vec![0; usize::from(u16::from_le_bytes([head[8], head[9]]))];
-    file.read_exact(&mut text).map_err(cut)?;
     let text = String::from_utf8(text).map_err(|_| "its header is no text")?;
     let header = dictionary(&text).ok_or("its header is no dictionary")?;
     let known = ["descr", "fortran_order", "shape"];
@@ -119,7 +131,8 @@ pub(super) fn npy_shape(
     let [descr, order, shape] = known.map(|key| header[key]);
     let numbers = NpyNumbers::of(descr).ok_or("its numbers are not f64 or f32 ('<f8' or '<f4')")?;
     if order != "False" {
-        return Err("its rows do not follow one another ('fortran_order')");
+        return Err("its columns follow one another instead of its rows ('fortran_order'): save \
+             numpy.ascontiguousarray of it");
     }
     match axes(shape).as_deref() {
         Some([height, width]) => Ok(([*width, *height], 1, numbers)),
@@ -204,6 +217,12 @@ mod tests {
         {
             let (_, _, numbers) = plain(descr, "(5, 7)").unwrap();
             assert_eq!(numbers.read(&bytes), [1.5], "{descr}");
+        }
+        let text = "{'descr': '<f8', 'fortran_order': False, 'shape': (5, 7)}";
+        for version in [2, 3] {
+            let length = (text.len() as u32).to_le_bytes();
+            let bytes = [b"\x93NUMPY", &[version, 0][..], &length, text.as_bytes()].concat();
+            assert_eq!(npy_shape(&mut &bytes[..]), Ok(([7, 5], 1, f64s)), "version {version}");
         }
         let spaced = "{ \"shape\":(1,1) ,'descr':'<f8','fortran_order':False}";
         assert_eq!(read(spaced), Ok(([1, 1], 1, f64s)));
