@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::judge::{Judge, Judgement, RunResult};
+use super::judge::{Judge, JudgedAnswer, RunResult};
 use super::ladder::{Origin, Run, Rung, ends_of, rungs};
 use super::{Assurance, Trust};
 use crate::{Effort, FinalState, Job, JobResult, Keep, Starts, WantedEnds};
@@ -147,11 +147,11 @@ impl CheckedJob {
         self.done.sort_by_key(|done| done.index);
         let leaf_half_rad = self.leaf_half_rad.unwrap_or(0.0);
         let judge = Judge::new(&self.job.question, self.job.keep.ends, leaf_half_rad);
-        let judged: Vec<Judgement> =
+        let judged: Vec<JudgedAnswer> =
             self.open.par_iter().map(|&start| judge.judge(&self.answers(start))).collect();
         let rung_trust = self.rungs[self.rung].trust;
-        for (start, judgement) in std::mem::take(&mut self.open).into_iter().zip(judged) {
-            let Judgement { answer, is_sure, error_secs } = judgement;
+        for (start, judged) in std::mem::take(&mut self.open).into_iter().zip(judged) {
+            let JudgedAnswer { answer, is_sure, error_secs } = judged;
             let trust = if is_sure { rung_trust } else { Trust::Uncertain };
             self.finest[start] = answer;
             self.assurances[start] =

@@ -34,7 +34,7 @@ pub(super) struct RunResult {
 
 /// The finest answer to a start, and what the other answers make of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Judgement {
+pub(super) struct JudgedAnswer {
     pub answer: RunResult,
     /// True if the other answers make the finest sure.
     pub is_sure: bool,
@@ -100,7 +100,7 @@ impl Judge {
     }
 
     /// Returns the finest of some answers, and what the others make of it.
-    pub(super) fn judge(&self, answers: &[(Run, RunResult)]) -> Judgement {
+    pub(super) fn judge(&self, answers: &[(Run, RunResult)]) -> JudgedAnswer {
         let scale =
             |(run, answer): &(Run, RunResult)| run.error_scale(&answer.end, self.leaf_half_rad);
         let mut scaled: Vec<_> = answers.iter().map(|answer| (scale(answer), answer)).collect();
@@ -113,7 +113,7 @@ impl Judge {
             && Self::is_confirmed(run, answer, &scaled);
         let is_time = self.asks_time && finest.1.1.outcome.status == Status::Answered;
         let error_secs = is_time.then(|| self.unit_secs * self.estimated_error(finest, others));
-        Judgement { answer: *answer, is_sure, error_secs }
+        JudgedAnswer { answer: *answer, is_sure, error_secs }
     }
 
     /// Returns the estimated error of the finest answer: the growth that the others show, times its

@@ -1,7 +1,7 @@
 //! A caption in the lower right corner of a picture: a bar of round length, and the time that the
 //! picture shows.
 
-use super::inset::{Corner, INK, Inset, Sheet};
+use super::inset::{Corner, INK, Inset, InsetDrawing};
 use flipmap_numbers::number_text::{fixed, significant};
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{PixelAxes, Scene, SceneError};
@@ -18,22 +18,22 @@ pub(crate) fn caption(
     clock_secs: Option<f64>,
     size: [u32; 2],
 ) -> Result<Inset, SceneError> {
-    let mut sheet = Sheet::new(LETTERS, size);
-    let (left, length, letter) = (sheet.left(), sheet.length(), sheet.letter);
+    let mut drawing = InsetDrawing::new(LETTERS, size);
+    let (left, length, letter) = (drawing.left(), drawing.length(), drawing.letter);
     if let Some(secs) = clock_secs.or_else(|| state_secs(scene)) {
-        sheet.write(&format!("t = {} s", fixed(secs, 2)), left, sheet.next, 0.0);
-        sheet.next += 1.4 * letter;
+        drawing.write(&format!("t = {} s", fixed(secs, 2)), left, drawing.next, 0.0);
+        drawing.next += 1.4 * letter;
     }
     if let Some((per_pixel, unit)) = scale(&PixelAxes::new(scene, size)) {
         let whole = round_down(per_pixel * f64::from(length));
         let words = format!("{} {unit}", significant(whole, 1));
-        sheet.write(&words, left, sheet.next, 0.0);
-        let top = (sheet.next + 1.5 * letter).round();
+        drawing.write(&words, left, drawing.next, 0.0);
+        let top = (drawing.next + 1.5 * letter).round();
         let bar = (whole / per_pixel) as f32;
-        sheet.fill([left.round(), top], [bar, (0.2 * letter).round().max(2.0)], |_| INK);
-        sheet.next = top + 0.9 * letter;
+        drawing.fill([left.round(), top], [bar, (0.2 * letter).round().max(2.0)], |_| INK);
+        drawing.next = top + 0.9 * letter;
     }
-    sheet.placed(Corner::Right, size, SETTING)
+    drawing.placed(Corner::Right, size, SETTING)
 }
 
 /// Returns the moment of the states that a scene asks for, in s.

@@ -1,4 +1,4 @@
-//! Drawings laid over a picture: a dark, translucent sheet in a lower corner, with words and bars.
+//! Drawings laid over a picture: a dark, translucent panel in a lower corner, with words and bars.
 
 use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 
@@ -14,7 +14,7 @@ const MIN_LETTER: f32 = 11.0;
 const LETTER_SHARE: f32 = 1.0 / 50.0;
 /// Width of a letter in heights of one.
 pub(super) const LETTER_WIDTH: f32 = 0.6;
-/// Share of the picture's colour that shows through a sheet.
+/// Share of the picture's colour that shows through an inset.
 const SHINE: f32 = 0.3;
 /// Colour of the words.
 pub(super) const INK: Rgb = [0xff; 3];
@@ -26,7 +26,7 @@ pub(super) enum Corner {
     Right,
 }
 
-/// A finished sheet, ready to be laid over a picture.
+/// A finished drawing, ready to be laid over a picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Inset {
     /// Column and row of the upper left corner.
@@ -59,7 +59,7 @@ impl Inset {
 }
 
 /// The pixels of an inset while it is drawn; it grows downwards.
-pub(super) struct Sheet {
+pub(super) struct InsetDrawing {
     /// Height of letters in pixels.
     pub letter: f32,
     width: u32,
@@ -68,12 +68,12 @@ pub(super) struct Sheet {
     pub next: f32,
 }
 
-impl Sheet {
-    /// Creates a sheet with room for so many letters in a row, in a picture of `size` pixels.
+impl InsetDrawing {
+    /// Creates a drawing with room for so many letters in a row, in a picture of `size` pixels.
     pub(super) fn new(letters: f32, size: [u32; 2]) -> Self {
         let letter = Self::letter(size);
         let width = ((letters + 4.0) * letter * LETTER_WIDTH).ceil() as u32;
-        Sheet { letter, width, rows: Vec::new(), next: 0.6 * letter }
+        InsetDrawing { letter, width, rows: Vec::new(), next: 0.6 * letter }
     }
 
     /// Returns the height of letters in a picture.
@@ -142,7 +142,7 @@ impl Sheet {
         }
     }
 
-    /// Places the sheet in a corner of a picture; refuses a picture without room, in the words of the
+    /// Places the drawing in a corner of a picture; refuses a picture without room, in the words of the
     /// `setting` that asked for it.
     pub(super) fn placed(
         mut self,

@@ -1,6 +1,6 @@
 //! A legend in the corner of a picture, which explains its colours, with units.
 
-use super::inset::{Corner, Inset, LETTER_WIDTH, Sheet};
+use super::inset::{Corner, Inset, InsetDrawing, LETTER_WIDTH};
 use flipmap_scene::SceneError;
 use flipmap_scene::palette::{AnswerColours, BarLabels, FAILED, Ground, LegendTitle, Rgb};
 use flipmap_scene::question::QuestionName;
@@ -19,33 +19,33 @@ pub(crate) fn legend(
     ask: QuestionName,
     size: [u32; 2],
 ) -> Result<Inset, SceneError> {
-    let mut sheet = Sheet::new(BAR_LETTERS, size);
+    let mut drawing = InsetDrawing::new(BAR_LETTERS, size);
     if colours.is_square() {
-        square(&mut sheet, colours);
+        square(&mut drawing, colours);
     } else {
-        bar(&mut sheet, colours, ask);
+        bar(&mut drawing, colours, ask);
     }
-    statuses(&mut sheet, colours.ground(), ask);
-    sheet.placed(Corner::Left, size, SETTING)
+    statuses(&mut drawing, colours.ground(), ask);
+    drawing.placed(Corner::Left, size, SETTING)
 }
 
 /// Draws the bar of a quantity with its name above and values below.
-fn bar(sheet: &mut Sheet, colours: &AnswerColours, ask: QuestionName) {
-    let (left, length, letter) = (sheet.left(), sheet.length(), sheet.letter);
-    let top = (sheet.next + 1.4 * letter).round();
-    sheet.fill([left.round(), top], [length, 1.2 * letter], |[x, _]| colours.colour_along(x));
+fn bar(drawing: &mut InsetDrawing, colours: &AnswerColours, ask: QuestionName) {
+    let (left, length, letter) = (drawing.left(), drawing.length(), drawing.letter);
+    let top = (drawing.next + 1.4 * letter).round();
+    drawing.fill([left.round(), top], [length, 1.2 * letter], |[x, _]| colours.colour_along(x));
     let below = top + 1.5 * letter;
     let LegendTitle { name, unit } = colours.title(ask);
     let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
     if let Some(labels) = colours.step_labels(f64::from(BAR_LETTERS)) {
-        sheet.write(&format!("{name}{unit}"), left, sheet.next, 0.0);
+        drawing.write(&format!("{name}{unit}"), left, drawing.next, 0.0);
         for (place, label) in labels {
-            sheet.write(&label, left + length * place as f32, below, 0.5);
+            drawing.write(&label, left + length * place as f32, below, 0.5);
         }
     } else {
         let BarLabels { from, ticks } = colours.bar_labels();
         let from = from.map_or(String::new(), |from| format!(" − {from}"));
-        sheet.write(&format!("{name}{from}{unit}"), left, sheet.next, 0.0);
+        drawing.write(&format!("{name}{from}{unit}"), left, drawing.next, 0.0);
         for (place, label) in ticks {
             let share = f32::from(place) / 1000.0;
             // The first and the last label stay over the bar.
@@ -56,39 +56,39 @@ fn bar(sheet: &mut Sheet, colours: &AnswerColours, ask: QuestionName) {
             } else {
                 0.5
             };
-            sheet.write(&label, left + length * share, below, align);
+            drawing.write(&label, left + length * share, below, align);
         }
     }
-    sheet.next = top + 3.1 * letter;
+    drawing.next = top + 3.1 * letter;
 }
 
 /// Draws the square of two angles with its axes' names.
-fn square(sheet: &mut Sheet, colours: &AnswerColours) {
-    let (left, letter) = (sheet.left(), sheet.letter);
+fn square(drawing: &mut InsetDrawing, colours: &AnswerColours) {
+    let (left, letter) = (drawing.left(), drawing.letter);
     let side = 9.0 * letter;
-    let top = sheet.next.round();
-    sheet.fill([left.round(), top], [side, side], |place| colours.colour_in_square(place));
+    let top = drawing.next.round();
+    drawing.fill([left.round(), top], [side, side], |place| colours.colour_in_square(place));
     let beside = left + side + 0.8 * letter;
-    sheet.write("across: θ1", beside, top, 0.0);
-    sheet.write("up: θ2", beside, top + 1.4 * letter, 0.0);
-    sheet.write("−π to π", beside, top + 2.8 * letter, 0.0);
-    sheet.next = top + side + 0.7 * letter;
+    drawing.write("across: θ1", beside, top, 0.0);
+    drawing.write("up: θ2", beside, top + 1.4 * letter, 0.0);
+    drawing.write("−π to π", beside, top + 2.8 * letter, 0.0);
+    drawing.next = top + side + 0.7 * letter;
 }
 
 /// Draws the colours of pixels without an answer, each in a frame.
-fn statuses(sheet: &mut Sheet, ground: Ground, ask: QuestionName) {
+fn statuses(drawing: &mut InsetDrawing, ground: Ground, ask: QuestionName) {
     let [_, without] = ask.kind().counted;
-    let (letter, mut x) = (sheet.letter, sheet.left());
+    let (letter, mut x) = (drawing.letter, drawing.left());
     let Ground { unflipped, forbidden, .. } = ground;
     for (colour, words) in [(unflipped, without), (forbidden, "forbidden"), (FAILED, "failed")] {
-        let [left, top] = [x.round(), sheet.next.round()];
-        sheet.fill([left, top], [letter, letter], |_| FRAME);
-        sheet.fill([left + 1.0, top + 1.0], [letter - 2.0, letter - 2.0], |_| colour);
+        let [left, top] = [x.round(), drawing.next.round()];
+        drawing.fill([left, top], [letter, letter], |_| FRAME);
+        drawing.fill([left + 1.0, top + 1.0], [letter - 2.0, letter - 2.0], |_| colour);
         x += 1.4 * letter;
-        sheet.write(words, x, sheet.next - 0.1 * letter, 0.0);
+        drawing.write(words, x, drawing.next - 0.1 * letter, 0.0);
         x += (words.chars().count() as f32 + 1.5) * LETTER_WIDTH * letter;
     }
-    sheet.next += 1.7 * letter;
+    drawing.next += 1.7 * letter;
 }
 
 #[cfg(test)]
