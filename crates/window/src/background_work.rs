@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::JoinHandle;
 
 use super::compute_service::lower_priority;
 
@@ -12,7 +11,7 @@ use super::compute_service::lower_priority;
 pub(crate) struct BackgroundWork<T> {
     news: Receiver<T>,
     stopped: Arc<AtomicBool>,
-    thread: JoinHandle<()>,
+    ended: Arc<AtomicBool>,
 }
 
 impl<T: Send + 'static> BackgroundWork<T> {
@@ -22,14 +21,26 @@ impl<T: Send + 'static> BackgroundWork<T> {
         ahead: usize,
         work: impl FnOnce(&SyncSender<T>, &AtomicBool) + Send + 'static,
     ) -> Self {
+        Self::start_then(ahead, work, || ())
+    }
+
+    /// Works like [`Self::start`], and calls `then` once the work counts as ended.
+    pub(crate) fn start_then(
+        ahead: usize,
+        work: impl FnOnce(&SyncSender<T>, &AtomicBool) + Send + 'static,
+        then: impl FnOnce() + Send + 'static,
+    ) -> Self {
         let (sender, news) = sync_channel(ahead);
         let stopped = Arc::new(AtomicBool::new(false));
-        let stop = Arc::clone(&stopped);
-        let thread = std::thread::spawn(move || {
+        let ended = Arc::new(AtomicBool::new(false));
+        let (stop, end) = (Arc::clone(&stopped), Arc::clone(&ended));
+        std::thread::spawn(move || {
             lower_priority();
             work(&sender, &stop);
+            end.store(true, Ordering::Release);
+            then();
         });
-        BackgroundWork { news, stopped, thread }
+        BackgroundWork { news, stopped, ended }
     }
 
     /// Returns the next piece of news, if there is one.
@@ -44,7 +55,7 @@ impl<T: Send + 'static> BackgroundWork<T> {
 
     /// Returns true if the work has ended; news may still be there.
     pub(crate) fn has_ended(&self) -> bool {
-        self.thread.is_finished()
+        self.ended.load(Ordering::Acquire)
     }
 }
 

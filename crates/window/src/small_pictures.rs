@@ -55,13 +55,14 @@ impl SmallPictures {
         self.begun.clone_from(&self.wanted);
         // The pictures of before stay until those of the new documents come.
         self.textures.resize(self.begun.len(), None);
-        let (documents, wake) = (self.begun.clone(), Arc::clone(wake));
-        self.running = Some(BackgroundWork::start(documents.len(), move |sender, stop| {
+        let (documents, wake, last) = (self.begun.clone(), Arc::clone(wake), Arc::clone(wake));
+        let work = move |sender: &_, stop: &_| {
             if let Err(error) = compute(&documents, stop, sender, &wake) {
                 log::warn!("the small pictures are missing: {error}");
             }
-            wake();
-        }));
+        };
+        // The last wake comes when the work counts as ended, so that whoever it wakes can begin.
+        self.running = Some(BackgroundWork::start_then(self.begun.len(), work, move || last()));
     }
 
     /// Returns the picture of a document by its place in the list; none until it is computed.
