@@ -165,8 +165,8 @@ fn names(channels: &[Channel]) -> Vec<(&'static str, &'static str)> {
 /// A field of a record: its name, and its kind in NumPy's words.
 type Field = (&'static str, &'static str);
 
-/// Returns the fields of the records of a document's question: the channels, the status, the trust, and the
-/// estimated error if flips are timed.
+/// Returns the fields of the records of a document's question: the channels, the status, the trust,
+/// and the estimated error if flips are timed.
 fn fields(document: &Document) -> Vec<Field> {
     let ask = document.question.ask;
     let channels = ask.kind().channels.iter().map(|channel| (channel.name, "f8"));

@@ -6,6 +6,7 @@ use std::time::Duration;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::profile::Profile;
 use flipmap_engine::{Accuracy, EngineKind};
+use flipmap_render::tiles::Samples;
 use flipmap_scene::QuestionSettings;
 use indicatif::{HumanBytes, HumanCount, HumanDuration};
 
@@ -75,7 +76,7 @@ pub(super) fn file_size(path: &Path, size: [u32; 2], question: &QuestionSettings
 
 /// Returns the room that kept samples with this many channels need on the disk, in words.
 pub(super) fn samples_size(samples: u64, channels: usize) -> String {
-    format!("about {} of samples", HumanBytes(samples * (8 * channels as u64 + 2)))
+    format!("about {} of samples", HumanBytes(samples * Samples::bytes(channels) as u64))
 }
 
 #[cfg(test)]

@@ -15,9 +15,10 @@ use super::run_options::start;
 use super::watch::CommandLine;
 use super::{farm, stop, video};
 
-/// Computes and writes a film frame by frame; frames that are there already are not made again.
+/// Computes a film frame by frame and writes it to `output`; frames that are there already are not made again.
 pub(super) fn run(
-    (options, output): (&video::Options, &Path),
+    options: &video::Options,
+    output: &Path,
     film: &Film,
     spec: &RunSpec,
 ) -> anyhow::Result<()> {

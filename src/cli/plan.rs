@@ -143,7 +143,9 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         PlannedOutput::Film(film) => check_film(film, chosen.config)?,
         PlannedOutput::Still(document) => {
             check_steps(&scene, chosen.config)?;
-            if let Some(weight) = options.film.picture.weight_of_view(document) {
+            let weight = options.film.picture.weight_of_view(document);
+            // Colours take samples, and no count of them.
+            if let Some(weight) = weight.filter(|_| !options.dry_run) {
                 spread(document, spec.size(), chosen.config, chosen.engine.as_mut(), weight)?;
             }
         }

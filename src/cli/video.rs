@@ -100,13 +100,13 @@ fn make(options: &Options, output: &Path) -> anyhow::Result<()> {
     }
     keep_from_frames(&options.film.files(), output)?;
     if film.kind() != FilmKind::Flips {
-        return frames::run((options, output), &film, &spec);
+        return frames::run(options, output, &film, &spec);
     }
     let document = &film.keys[0].scene;
     let recipe = FilmRecipe { film: &film, document, output };
     let encoding = farm::check(&recipe, options.quality.into())?;
     let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(output));
-    prepare(&cache, (options, output))?;
+    prepare(&cache, options, output)?;
     let path = cache.join("plan.toml");
     check_overwrites_only_plans("--cache", &path)?;
     spares_plans(&path)?;
@@ -148,7 +148,7 @@ fn foresee(film: Film, spec: &RunSpec, options: &Options) -> anyhow::Result<()> 
 }
 
 /// Makes the folder of the samples, and rejects one that cannot be written.
-fn prepare(cache: &Path, (options, output): (&Options, &Path)) -> Result<(), Exit> {
+fn prepare(cache: &Path, options: &Options, output: &Path) -> Result<(), Exit> {
     let made = std::fs::create_dir_all(cache).and_then(|()| SafeFile::check(&plan_in(cache)));
     made.map_err(|error| {
         let folder = cache.display();

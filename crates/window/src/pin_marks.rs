@@ -1,6 +1,5 @@
 //! The pins as the history remembers them, without their flights.
 
-use super::flight::{Flight, Trail};
 use super::pin_start::PinStart;
 use super::pins::{Badge, Pin, PinId, Pins};
 
@@ -19,8 +18,8 @@ impl Pins {
         self.iter().map(mark).collect()
     }
 
-    /// Brings back pins as they were; pendulums that no longer fly are released at the clock's
-    /// zero. Each new flight calls `wake` whenever there is more to show.
+    /// Brings back pins as they were; a pendulum that no longer flies takes off again, and the clock
+    /// goes on. Each new flight calls `wake` whenever there is more to show.
     pub(crate) fn restore(&mut self, marks: &[PinMark], wake: impl Fn() + Clone + Send + 'static) {
         let mut old = std::mem::take(&mut self.list);
         self.list = marks
@@ -28,12 +27,11 @@ impl Pins {
             .map(|&PinMark { id, start, badge }| {
                 let place = old.iter().position(|pin| pin.id == id);
                 match place.map(|place| old.swap_remove(place)) {
-                    Some(pin) if pin.start.launches == start.launches => Pin { start, ..pin },
-                    _ => {
-                        let flight = Flight::launch(self.question, start.launches, wake.clone());
-                        let trail = Trail::new(&self.build.pendulum());
-                        Pin { id, start, badge, told: None, flight, trail, shown_secs: 0.0 }
+                    Some(mut pin) if pin.start.launches == start.launches => {
+                        pin.start = start;
+                        pin
                     }
+                    _ => self.launched(id, badge, start, wake.clone()),
                 }
             })
             .collect();

@@ -58,7 +58,7 @@ pub struct Pin {
     pub flight: Flight,
     /// Recent path of its pendulum.
     pub trail: Trail,
-    pub(super) shown_secs: f64,
+    shown_secs: f64,
 }
 
 impl Pin {
@@ -101,8 +101,8 @@ pub enum PinAction {
 /// All pins, and the physics that their flights follow.
 #[derive(Debug)]
 pub struct Pins {
-    pub(super) build: PendulumSpec,
-    pub(super) question: EventSpec,
+    build: PendulumSpec,
+    question: EventSpec,
     pub(super) list: Vec<Pin>,
     clock: Playback,
     pub(super) selected: Option<PinId>,
@@ -175,13 +175,26 @@ impl Pins {
         let badge = Badge((0..MAX_PINS).find(free).ok_or(NoPinLeft)?);
         let id = PinId(self.next_id);
         self.next_id += 1;
-        let flight = Flight::launch(self.question, start.launches, wake);
-        let trail = Trail::new(&self.build.pendulum());
-        self.list.push(Pin { id, start, badge, told, flight, trail, shown_secs: 0.0 });
+        let pin = self.launched(id, badge, start, wake);
+        self.list.push(Pin { told, ..pin });
         self.selected = Some(id);
         self.clock.restart();
         self.show();
         Ok(id)
+    }
+
+    /// Returns a pin whose pendulum takes off; the flight's thread calls `wake` whenever there is more
+    /// to show.
+    pub(super) fn launched(
+        &self,
+        id: PinId,
+        badge: Badge,
+        start: PinStart,
+        wake: impl Fn() + Send + 'static,
+    ) -> Pin {
+        let flight = Flight::launch(self.question, start.launches, wake);
+        let trail = Trail::new(&self.build.pendulum());
+        Pin { id, start, badge, told: None, flight, trail, shown_secs: 0.0 }
     }
 
     /// Moves a pin to another start, releases its pendulum together with all others and selects the

@@ -1,5 +1,7 @@
 //! The assurance of an answer: how sure it is and how far off it may be, in one byte.
 
+use std::sync::LazyLock;
+
 use serde::{Deserialize, Serialize};
 
 use super::Trust;
@@ -16,17 +18,21 @@ const TRUST_BITS: u32 = 3;
 /// Index of the bound that stands for all larger errors.
 const LARGEST: u8 = 31;
 
-/// Returns the bound in s with an index from 1.
-fn bound_secs(index: u8) -> f64 {
-    if index == LARGEST { f64::INFINITY } else { 10f64.powf(0.5 * f64::from(index) - 14.5) }
-}
+/// The bounds in s, from index 1 on; computed once, because every checked pixel looks one up.
+static BOUNDS_SECS: LazyLock<[f64; LARGEST as usize]> = LazyLock::new(|| {
+    std::array::from_fn(|k| match k + 1 {
+        index if index == LARGEST as usize => f64::INFINITY,
+        index => 10f64.powf(0.5 * index as f64 - 14.5),
+    })
+});
 
 impl Assurance {
     /// Creates an assurance with an estimated error in s, which is rounded up to half a decade, and to
     /// at least 1e-14 s.
     pub fn new(trust: Trust, error_secs: f64) -> Self {
-        let holds = |index: &u8| error_secs <= bound_secs(*index);
-        let index = (1..LARGEST).find(holds).unwrap_or(LARGEST);
+        let holds = |bound_secs: &f64| error_secs <= *bound_secs;
+        let index = BOUNDS_SECS.iter().zip(1..).find(|(bound_secs, _)| holds(bound_secs));
+        let index = index.map_or(LARGEST, |(_, index)| index);
         Assurance(trust as u8 | index << TRUST_BITS)
     }
 
@@ -41,7 +47,8 @@ impl Assurance {
     /// if no two runs agree, `None` if nothing was estimated.
     pub fn error_secs(self) -> Option<f64> {
         let index = self.0 >> TRUST_BITS;
-        (index > 0).then(|| bound_secs(index))
+        let place = usize::from(index).checked_sub(1)?;
+        Some(BOUNDS_SECS[place])
     }
 
     /// Returns the assurance with another trust.

@@ -71,14 +71,9 @@ pub(super) struct InsetDrawing {
 impl InsetDrawing {
     /// Creates a drawing with room for so many letters in a row, in a picture of `size` pixels.
     pub(super) fn new(letters: f32, size: [u32; 2]) -> Self {
-        let letter = Self::letter(size);
+        let letter = (size[1] as f32 * LETTER_SHARE).max(MIN_LETTER).round();
         let width = ((letters + 4.0) * letter * LETTER_WIDTH).ceil() as u32;
         InsetDrawing { letter, width, rows: Vec::new(), next: 0.6 * letter }
-    }
-
-    /// Returns the height of letters in a picture.
-    pub(super) fn letter(size: [u32; 2]) -> f32 {
-        (size[1] as f32 * LETTER_SHARE).max(MIN_LETTER).round()
     }
 
     /// Returns the left edge of all elements.

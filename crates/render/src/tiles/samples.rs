@@ -199,7 +199,7 @@ impl Samples {
     }
 
     /// Size in bytes of a sample with this many channels.
-    pub(crate) const fn bytes(channels: usize) -> usize {
+    pub const fn bytes(channels: usize) -> usize {
         size_of::<Status>() + channels * size_of::<f64>() + size_of::<Assurance>()
     }
 }
