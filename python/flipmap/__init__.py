@@ -12,11 +12,13 @@ its second bob first goes over the top, where it is after some seconds, how chao
 import numpy as np
 
 from . import _arguments, _flipmap, _memory
+from ._film import Film, film
 from ._map import Map, Pass, Status, Trace, Trust
 from ._tiles import Tile, tiles
 
 __all__ = [
-    "Map", "Pass", "SCENES", "Status", "Tile", "Trace", "Trust", "render", "tiles", "trace",
+    "Film", "Map", "Pass", "SCENES", "Status", "Tile", "Trace", "Trust", "film", "render", "tiles",
+    "trace",
 ]
 __version__ = _flipmap.VERSION
 

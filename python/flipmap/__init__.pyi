@@ -71,6 +71,14 @@ class Tile(NamedTuple):
     def size(self) -> tuple[int, int]: ...
     def render(self, **options: Any) -> Map: ...
 
+class Film(NamedTuple):
+    path: str
+    frames: int
+    fps: float
+    size: tuple[int, int]
+    seconds: float
+    engine: str
+
 class Trace(np.ndarray[Any, Any]):
     passes: list[Pass]
 
@@ -106,6 +114,46 @@ def render(
     origin: _Numbers | None = None,
     energy: _Number | None = None,
 ) -> Map: ...
+def film(
+    output: str | os.PathLike[str],
+    scenes: _Scene | Sequence[_Scene],
+    size: _Size = (1280, 720),
+    accuracy: Literal["lesson", "fast", "balanced", "exact"] | None = None,
+    *,
+    secs: float | None = None,
+    frames: int | None = None,
+    fps: float | None = None,
+    palette: str | None = None,
+    quality: int | None = None,
+    full_chroma: bool = False,
+    samples: str | os.PathLike[str] | None = None,
+    method: str | None = None,
+    step: _Number | None = None,
+    tolerance: _Number | None = None,
+    precision: Literal["f32", "df32", "f64", "dd"] | None = None,
+    verify: bool = False,
+    engine: Literal["cpu", "gpu"] | None = None,
+    adapter: str | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    center: _Numbers | None = None,
+    width: _Number | None = None,
+    rotate: _Number | None = None,
+    stretch: _Number | None = None,
+    budget: _Number | None = None,
+    rule: str | None = None,
+    kind: str | None = None,
+    masses: _Numbers | None = None,
+    lengths: _Numbers | None = None,
+    gravity: _Number | None = None,
+    friction: _Numbers | None = None,
+    ask: str | None = None,
+    at: _Number | None = None,
+    count: int | None = None,
+    plane: str | None = None,
+    origin: _Numbers | None = None,
+    energy: _Number | None = None,
+) -> Film: ...
 def tiles(
     scene: _Scene = None,
     size: _Size = (512, 512),

@@ -41,6 +41,26 @@ def scene(given):
     raise TypeError(_refusal("scene", given, "it must be a scene's name, its path or its text"))
 
 
+def scenes(given):
+    """Return the scenes of a film: one, or several in a row."""
+    allowed = "it must be a scene, a row of scenes, or a file of keys"
+    if given is None or not isinstance(given, (str, os.PathLike, Sequence)):
+        raise TypeError(_refusal("scenes", given, allowed))
+    found = [given] if isinstance(given, (str, os.PathLike)) else list(given)
+    if not found:
+        raise ValueError(_refusal("scenes", given, allowed))
+    if None in found:
+        raise TypeError(_refusal("scenes", given, allowed))
+    return [scene(one) for one in found]
+
+
+def path(name, given):
+    """Return a path."""
+    if isinstance(given, (str, os.PathLike)) and os.fspath(given):
+        return os.fsdecode(given)
+    raise TypeError(_refusal(name, given, "it must be a path"))
+
+
 def words(given):
     """Return the scene's words and their values, as text."""
     for name in given:
@@ -54,14 +74,12 @@ def words(given):
 def run(given):
     """Return the settings of a run."""
     made = dict(given)
-    for name, allowed in _TEXTS.items():
-        if not (given[name] is None or isinstance(given[name], str)):
-            raise TypeError(_refusal(name, given[name], f"it must be {allowed}"))
-    for name in ("step", "tolerance"):
-        made[name] = None if given[name] is None else text(name, given[name])
-    if not isinstance(given["verify"], (bool, np.bool_)):
-        raise TypeError(_refusal("verify", given["verify"], "it must be True or False"))
-    made["verify"] = bool(given["verify"])
+    for argument, allowed in _TEXTS.items():
+        name(argument, given[argument], allowed)
+    for argument in ("step", "tolerance"):
+        value = given[argument]
+        made[argument] = None if value is None else text(argument, value)
+    made["verify"] = flag("verify", given["verify"])
     if given["threads"] is not None:
         made["threads"] = whole("threads", given["threads"], 1, _MAX_THREADS)
     return made
@@ -102,6 +120,32 @@ def _number(name, part, whole):
     if isinstance(part, (numbers.Real, Decimal)) and not isinstance(part, bool):
         return str(part)
     raise TypeError(_refusal(name, whole, "it must be a number, a text, or a row of them"))
+
+
+def name(argument, given, allowed):
+    """Return a text, or None."""
+    if given is None or isinstance(given, str):
+        return given
+    raise TypeError(_refusal(argument, given, f"it must be {allowed}"))
+
+
+def flag(name, given):
+    """Return a truth value."""
+    if isinstance(given, (bool, np.bool_)):
+        return bool(given)
+    raise TypeError(_refusal(name, given, "it must be True or False"))
+
+
+def between(name, given, least, most):
+    """Return a number of a range, or None."""
+    if given is None:
+        return None
+    allowed = f"it must be a number between {least:g} and {most:g}"
+    if isinstance(given, (bool, np.bool_)) or not isinstance(given, (numbers.Real, Decimal)):
+        raise TypeError(_refusal(name, given, allowed))
+    if not least <= given <= most:
+        raise ValueError(_refusal(name, given, allowed))
+    return float(given)
 
 
 def whole(name, given, least, most):

@@ -38,10 +38,10 @@ impl Clock {
         }
     }
 
-    fn turn(&self, py: Python<'_>, done: u64) -> PyResult<()> {
+    fn turn(&self, py: Python<'_>, [done, total]: [u64; 2]) -> PyResult<()> {
         py.check_signals()?;
         match &self.progress {
-            Some(progress) => progress.call1(py, (done, self.total)).map(drop),
+            Some(progress) => progress.call1(py, (done, total)).map(drop),
             None => Ok(()),
         }
     }
@@ -49,11 +49,11 @@ impl Clock {
 
 /// Gives Python its turn and stops once it raised an exception. Call without the interpreter's lock.
 impl Watch for Clock {
-    fn keep_going(&self, done: u64, _total: u64) -> bool {
+    fn keep_going(&self, done: u64, total: u64) -> bool {
         // If another thread holds the lock, that thread gives Python its turn.
         let Ok(mut state) = self.state.try_lock() else { return true };
         if state.raised.is_none() && state.last.elapsed() >= PERIOD {
-            state.raised = Python::attach(|py| self.turn(py, done)).err();
+            state.raised = Python::attach(|py| self.turn(py, [done, total])).err();
             state.last = Instant::now();
         }
         state.raised.is_none()

@@ -1,7 +1,8 @@
 //! The compiled half of the Python package: maps and traces as plain bytes, which the other half,
-//! `flipmap/__init__.py`, turns into NumPy arrays.
+//! `flipmap/__init__.py`, turns into NumPy arrays; and films, in files.
 
 mod clock;
+mod film;
 mod fork;
 mod map;
 mod place;
@@ -13,8 +14,11 @@ mod trace;
 mod _flipmap {
     use flipmap::{BuiltIn, PictureTable, Setting, Status, Trust};
     use flipmap_scene::Axis;
+    use flipmap_scene::film::Film;
     use pyo3::prelude::*;
 
+    #[pymodule_export]
+    use crate::film::film;
     #[pymodule_export]
     use crate::map::render;
     #[pymodule_export]
@@ -42,6 +46,8 @@ mod _flipmap {
         let axes = Axis::OF_STARTS.into_iter().chain([Axis::Momentum2]);
         module.add("AXES", axes.map(Axis::name).collect::<Vec<_>>())?;
         module.add("MAX_SIDE", PictureTable::MAX_SIDE)?;
+        module.add("MAX_FRAMES", Film::MAX_FRAMES)?;
+        module.add("FPS", (*Film::FPS.start(), *Film::FPS.end()))?;
         module.add("VERSION", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -30,7 +30,7 @@ pub(crate) struct Run {
 }
 
 impl Run {
-    fn words(&self, size: [u32; 2]) -> RunTable {
+    pub(crate) fn words(&self, size: [u32; 2]) -> RunTable {
         RunTable {
             size: Some(size),
             accuracy: self.accuracy.clone(),
@@ -42,7 +42,7 @@ impl Run {
         }
     }
 
-    fn request(&self, spec: &RunSpec) -> PyResult<EngineRequest> {
+    pub(crate) fn request(&self, spec: &RunSpec) -> PyResult<EngineRequest> {
         Ok(EngineRequest {
             kind: self.kind()?,
             adapter: self.adapter.clone(),
@@ -146,16 +146,21 @@ fn computed(
     clock: &Clock,
 ) -> PyResult<(Option<Samples>, String)> {
     let mut renderer = Renderer::new(request).map_err(choice_error)?;
+    let about = about(&mut renderer);
+    let samples = renderer.render_while(&document.scene(), size, clock).map_err(failed)?;
+    Ok((samples, about))
+}
+
+/// Says what computes.
+pub(crate) fn about(renderer: &mut Renderer) -> String {
     let (config, engine) = (renderer.config(), renderer.engine());
-    let about = format!(
+    format!(
         "{} ({}): {} in {}",
         engine.kind(),
         engine.adapter(),
         config.method.name(),
         config.precision
-    );
-    let samples = renderer.render_while(&document.scene(), size, clock).map_err(failed)?;
-    Ok((samples, about))
+    )
 }
 
 fn names(channels: &[Channel]) -> Vec<(&'static str, &'static str)> {
@@ -205,14 +210,14 @@ fn records<'py>(
     })
 }
 
-fn choice_error(error: ChoiceError) -> PyErr {
+pub(crate) fn choice_error(error: ChoiceError) -> PyErr {
     match error {
         ChoiceError::Engine(error) => failed(error),
         other => value_error(other),
     }
 }
 
-fn failed(error: EngineError) -> PyErr {
+pub(crate) fn failed(error: EngineError) -> PyErr {
     match error {
         EngineError::Unsupported(why) => value_error(why),
         EngineError::Setting(error) => value_error(error),

@@ -17,6 +17,11 @@ pub(crate) fn document(scene: Option<&str>, words: &[(String, String)]) -> PyRes
         None if words.iter().any(|(name, _)| name == "plane") => Document::default(),
         None => BuiltIn::home().document(),
     };
+    with_words(document, words)
+}
+
+/// Sets words of a scene.
+pub(crate) fn with_words(document: Document, words: &[(String, String)]) -> PyResult<Document> {
     let words = words.iter().map(|(name, text)| {
         let unknown = || value_error(format!("there is no word {name}"));
         Ok((Setting::named(name).ok_or_else(unknown)?, text.as_str()))

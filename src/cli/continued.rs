@@ -10,7 +10,6 @@ use flipmap_render::tiles::SavedPixels;
 use flipmap_scene::Document;
 
 use super::exit::Exit;
-use super::run_options::prefer_engine;
 
 /// A state file, the state that was in it, and the state to write to it next.
 pub(super) struct Continued {
@@ -43,7 +42,7 @@ impl Continued {
     /// Requests the engine of the earlier render, unless the user chose one.
     pub(super) fn prefer_engine(&self, request: EngineRequest) -> EngineRequest {
         match &self.earlier {
-            Some(RenderState { ran, .. }) => prefer_engine(request, ran.engine, &ran.adapter),
+            Some(RenderState { ran, .. }) => request.preferring(ran.engine, &ran.adapter),
             None => request,
         }
     }

@@ -1,8 +1,8 @@
 //! The code that `video`, `plan`, `run`, `verify` and `merge` share.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use flipmap_engine::choice::{Chosen, EngineRequest};
+use flipmap_engine::choice::Chosen;
 use flipmap_render::farm::{self, OpenChoices, Parts, Plan, RunError, Task, TaskKind};
 use flipmap_render::film::ffmpeg::{Codec, Encoding, FilmQuality};
 use flipmap_render::film::{self, FilmRecipe, FilmRenderError};
@@ -14,7 +14,6 @@ use flipmap_scene::{Document, Sampling};
 use super::exit::Exit;
 use super::picture_options::PictureOptions;
 use super::progress::Mode;
-use super::run_options::prefer_engine;
 use super::stop;
 use super::watch::CommandLine;
 
@@ -36,15 +35,6 @@ pub(super) fn scan(task: &Task) -> anyhow::Result<Parts> {
         ));
     }
     Ok(parts)
-}
-
-/// Requests the engine that a plan was made for, unless the request names another or the plan leaves
-/// it open.
-pub(super) fn request_like(plan: &Plan, request: EngineRequest) -> EngineRequest {
-    if plan.any_engine {
-        return request;
-    }
-    prefer_engine(request, plan.engine, plan.adapter.as_deref().unwrap_or_default())
 }
 
 /// Returns the number of samples that some shards lack.
@@ -190,8 +180,7 @@ fn spread(
     options: &PictureOptions,
     document: &mut Document,
 ) -> anyhow::Result<()> {
-    let (decades, min_rad) = farm::zoom(film);
-    if !options.spreads_film(document, decades, min_rad) {
+    if !options.spreads_film(document, film) {
         return Ok(());
     }
     let open = OpenChoices {
@@ -200,7 +189,7 @@ fn spread(
         repeat: !options.says_repeat(),
     };
     let picture = &mut document.picture;
-    if farm::spread_film((task, parts), decades, open, picture)?
+    if farm::spread_film(task, parts, open, picture)?
         && let [first, .., last] = picture.times[..]
     {
         super::tell(&format!(
@@ -219,11 +208,4 @@ pub(super) fn check(recipe: &FilmRecipe, quality: FilmQuality) -> anyhow::Result
         FilmRenderError::Picture(why) => why.into(),
         error => error.into(),
     })
-}
-
-/// Default folder for the samples of a film.
-pub(super) fn samples_beside(output: &Path) -> PathBuf {
-    let mut name = output.file_name().unwrap_or(output.as_os_str()).to_os_string();
-    name.push(".samples");
-    output.with_file_name(name)
 }

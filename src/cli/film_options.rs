@@ -9,11 +9,10 @@ use flipmap_engine::run_settings::RunSpec;
 use flipmap_numbers::Decimal;
 use flipmap_render::output::read_text;
 use flipmap_scene::film::Film;
+use flipmap_scene::film_length::{FilmLength, home_before, zoom_through};
 use flipmap_scene::keys::{Easing, Key, Keys};
 use flipmap_scene::question::QuestionName;
-use flipmap_scene::{
-    Budget, Document, DocumentError, Sampling, Scene, Setting, View, between, decimal_hint,
-};
+use flipmap_scene::{Budget, Document, DocumentError, Setting, between, decimal_hint};
 
 use super::exit::Exit;
 use super::options::{SceneWords, load, number};
@@ -51,16 +50,8 @@ pub(super) struct FilmOptions {
     pub picture: PictureOptions,
 }
 
-/// Seconds of film per decade of zoom.
-const SECS_A_DECADE: f64 = 1.5;
 /// Seconds of film for a view that does not move.
 const SECS_IN_PLACE: f64 = 10.0;
-/// Minimum seconds of film between two scenes.
-const MIN_SECS: f64 = 2.0;
-/// Default frames per second.
-const FPS: f64 = 30.0;
-/// Default samples of each pixel.
-const SAMPLES: Sampling = Sampling::Square(2);
 
 impl FilmOptions {
     /// Returns true if the options describe a film and not a still.
@@ -97,22 +88,13 @@ impl FilmOptions {
         first.scene.picture.forget_view_times();
         self.picture.apply(&mut first.scene)?;
         if self.picture.samples.is_none() && first.scene.picture.samples.along() == 1 {
-            first.scene.picture.samples = SAMPLES;
+            first.scene.picture.samples = Film::SAMPLES;
         }
         first.scene.picture.check()?;
         let spec = self.run.settle(&mut first.scene)?;
-        let how = (first.scene.picture.clone(), first.scene.run.clone());
-        for key in &mut keys {
-            key.scene.view = key.scene.view.fitted(spec.size().map(f64::from));
-            (key.scene.picture, key.scene.run) = how.clone();
-        }
-        let mut film = self.timed(keys, spec.size())?;
-        film.check().map_err(|why| Exit::usage(&why))?;
-        how.0.check_size(film.size)?;
-        for key in &mut film.keys {
-            key.scene = std::mem::take(&mut key.scene).settled();
-        }
-        Ok((film, spec))
+        first.scene.picture.check_size(spec.size())?;
+        let film = self.length()?.film(keys, spec.size()).and_then(Film::settled);
+        Ok((film.map_err(|why| Exit::usage(&why))?, spec))
     }
 
     /// Returns the keys with the scene options applied to each, or to the one scene of `--vary`.
@@ -131,7 +113,7 @@ impl FilmOptions {
             ([_, _, ..], None, None) => {
                 let scenes: anyhow::Result<Vec<Document>> =
                     self.scenes.iter().map(|name| load(name)).collect();
-                spaced(scenes?)
+                zoom_through(scenes?)
             }
             _ => {
                 return usage(
@@ -160,13 +142,13 @@ impl FilmOptions {
         to.picture.times.clear();
         let from = match self.scenes.first() {
             Some(name) => self.words.without_view().apply(load(name)?)?,
-            None => to.clone().with_scene(Scene { view: View::home_of(&to.plane), ..to.scene() }),
+            None => home_before(&to),
         };
-        Ok(spaced(vec![from, to]))
+        Ok(zoom_through(vec![from, to]))
     }
 
-    /// Scales the keys to the requested length, and settles the number of frames and their rate.
-    fn timed(&self, mut keys: Vec<Key>, size: [u32; 2]) -> Result<Film, Exit> {
+    /// Returns what the options say of the film's length.
+    fn length(&self) -> Result<FilmLength, Exit> {
         let said = |option: &str, text: &Option<String>, range: RangeInclusive<f64>| {
             let Some(text) = text else { return Ok(None) };
             let fine = number_or_ratio(text).filter(|number| range.contains(number));
@@ -179,41 +161,13 @@ impl FilmOptions {
             };
             fine.map(Some).ok_or_else(|| Exit::Usage(refuse()))
         };
-        let most = f64::from(Film::MAX_FRAMES);
-        let first = keys[0].secs;
-        keys.iter_mut().for_each(|key| key.secs -= first);
-        let last = keys[keys.len() - 1].secs;
-        if let Some(secs) = said("--secs", &self.secs, 0.01..=1e6)? {
-            keys.iter_mut().for_each(|key| key.secs *= secs / last.max(1e-9));
-        }
-        let last = keys[keys.len() - 1].secs;
-        let frames = said("--frames", &self.frames, 1.0..=most)?;
-        let fps = match (said("--fps", &self.fps, Film::FPS)?, frames, &self.secs) {
-            (Some(fps), Some(frames), Some(_)) if (frames / fps - last).abs() > 1.0 / fps => {
-                return Err(Exit::Usage(format!(
-                    "--frames {frames} at --fps {fps} last {:.2} s, and --secs is {last}: leave one \
-                     of them out",
-                    frames / fps
-                )));
-            }
-            (Some(fps), _, _) => fps,
-            (None, Some(frames), Some(_)) => {
-                (frames / last).clamp(*Film::FPS.start(), *Film::FPS.end())
-            }
-            (None, ..) => FPS,
-        };
+        let secs = said("--secs", &self.secs, 0.01..=1e6)?;
+        let frames = said("--frames", &self.frames, 1.0..=f64::from(Film::MAX_FRAMES))?;
         if frames.is_some_and(|frames| frames.fract() != 0.0) {
             return Err(Exit::Usage("--frames must be a whole number".to_string()));
         }
-        let needed = (last * fps).round().max(2.0);
-        if frames.is_none() && needed > most {
-            return Err(Exit::Usage(format!(
-                "{last} s of film at --fps {fps} are {needed} frames, and a film has {most} at most: \
-                 give fewer --secs, --fps or --frames"
-            )));
-        }
-        let frames = frames.unwrap_or(needed) as u32;
-        Ok(Film { size, frames, fps, keys })
+        let fps = said("--fps", &self.fps, Film::FPS)?;
+        Ok(FilmLength { secs, frames: frames.map(|frames| frames as u32), fps })
     }
 }
 
@@ -245,22 +199,6 @@ fn read_keys(name: &str) -> Result<Vec<Key>, Exit> {
         ));
     }
     Ok(Keys::parse(&text).map_err(|why| refuse(&why))?.keys)
-}
-
-/// Keys of a zoom through scenes in order, at a constant visible speed.
-fn spaced(scenes: Vec<Document>) -> Vec<Key> {
-    let mut secs = 0.0;
-    let mut before: Option<f64> = None;
-    let key = |scene: Document| {
-        let width = scene.scene().view.width_rad().hi;
-        if let Some(before) = before {
-            let decades = (width / before).log10().abs();
-            secs += (SECS_A_DECADE * decades).max(MIN_SECS);
-        }
-        before = Some(width);
-        Key { secs, easing: Easing::Linear, clock: None, scene }
-    };
-    scenes.into_iter().map(key).collect()
 }
 
 /// Returns keys of one view in which one quantity changes. A question or budget in `words` is kept.

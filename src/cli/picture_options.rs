@@ -5,7 +5,9 @@ use std::path::Path;
 use std::str::FromStr;
 
 use clap::Args;
+use flipmap_render::farm::is_deep;
 use flipmap_render::output::read_gradient;
+use flipmap_scene::film::Film;
 use flipmap_scene::palette::gradient_file::ENDINGS;
 use flipmap_scene::palette::{Palette, ViewTimes, budget_range_secs};
 use flipmap_scene::{
@@ -92,8 +94,6 @@ pub(super) struct PictureOptions {
 
 /// Values of `--repeat`: true if every second run through the palette goes backwards.
 const REPEATS: [(&str, bool); 2] = [("mirrored", true), ("plain", false)];
-/// Width in rad of a film's narrowest view below which its colours are spread over its own times.
-const DEEP_FILM_RAD: f64 = 1e-6;
 /// Keywords of `--times`.
 const OF_VIEW: &str = "view";
 const OF_BUDGET: &str = "budget";
@@ -137,13 +137,11 @@ impl PictureOptions {
         }
     }
 
-    /// Returns true if the colours follow the film's own times; the film zooms through `decades`
-    /// down to `width_rad`.
-    pub(super) fn spreads_film(&self, document: &Document, decades: f64, width_rad: f64) -> bool {
-        let far = decades > PictureTable::SPREAD_FILM_DECADES || width_rad < DEEP_FILM_RAD;
+    /// Returns true if the colours follow the film's own times.
+    pub(super) fn spreads_film(&self, document: &Document, film: &Film) -> bool {
         match self.times.as_deref() {
             Some(said) => said == OF_VIEW,
-            None => far && document.picture.times.is_empty(),
+            None => is_deep(film) && document.picture.times.is_empty(),
         }
     }
 

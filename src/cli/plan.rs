@@ -232,7 +232,7 @@ pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
     }
     let request =
         options.engine.request(IntegrationSetting::Explicit(task.config), task.plan.verify);
-    let chosen = start(&farm::request_like(&task.plan, request)).with_context(|| {
+    let chosen = start(&task.plan.request_like(request)).with_context(|| {
         let engine = &task.plan.engine;
         format!("the plan is for the {engine} engine; choose another with --engine and --adapter")
     })?;

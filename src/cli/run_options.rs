@@ -182,22 +182,6 @@ pub(super) fn start(request: &EngineRequest) -> Result<Chosen, ChoiceError> {
     choose(request, &|text| super::tell(&format!("flipmap: {text}")))
 }
 
-/// Requests the engine that ran before, unless the user chose one: another engine would differ in
-/// the last digits.
-pub(super) fn prefer_engine(
-    request: EngineRequest,
-    engine: EngineKind,
-    adapter: &str,
-) -> EngineRequest {
-    match (request.kind, &request.adapter, engine) {
-        (None, None, EngineKind::Cpu) => EngineRequest { kind: Some(engine), ..request },
-        (None, None, EngineKind::Gpu) => {
-            EngineRequest { kind: Some(engine), adapter: Some(adapter.to_string()), ..request }
-        }
-        _ => request,
-    }
-}
-
 /// Rejects a configuration that needs too many steps for the budget.
 pub(super) fn check_steps(scene: &Scene, config: IntegratorConfig) -> Result<(), Exit> {
     tiles::check_steps(scene, &config).map_err(|error| Exit::usage(&error))

@@ -1,24 +1,21 @@
 //! `flipmap video`: makes a film from keys, from scenes, or of a zoom.
 
 use std::fs::File;
-use std::io::{self, ErrorKind};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use flipmap_engine::choice::Chosen;
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_render::farm::{Plan, PlannedOutput, Task};
+use flipmap_render::farm::{FilmSamples, FilmSamplesError, Plan, PlannedOutput, Task};
 use flipmap_render::film::FilmRecipe;
 use flipmap_render::film::ffmpeg::{Codec, FilmQuality, arguments, tried};
-use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
 use super::film_options::FilmOptions;
 use super::foresight::{Foresight, samples_size};
 use super::frames::check_film;
-use super::plan::check_overwrites_only_plans;
 use super::progress::Mode;
 use super::run_options::start;
 use super::same_file::keep_from_frames;
@@ -105,22 +102,20 @@ fn make(options: &Options, output: &Path) -> anyhow::Result<()> {
     let document = &film.keys[0].scene;
     let recipe = FilmRecipe { film: &film, document, output };
     let encoding = farm::check(&recipe, options.quality.into())?;
-    let cache = options.cache.clone().unwrap_or_else(|| farm::samples_beside(output));
-    prepare(&cache, options, output)?;
-    let path = cache.join("plan.toml");
-    check_overwrites_only_plans("--cache", &path)?;
-    spares_plans(&path)?;
-    let mut request = options.film.run.engine.request(spec.setting, spec.verify);
+    let samples = samples(options, output)?;
+    let request = options.film.run.engine.request(spec.setting, spec.verify);
     // Another engine would differ from the existing samples in the last digits.
-    if let Some(earlier) = earlier(&path) {
-        request = farm::request_like(&earlier, request);
-    }
+    let request = match samples.earlier() {
+        Some(earlier) => earlier.request_like(request),
+        None => request,
+    };
     let chosen = start(&request)?;
-    let task = planned(film, spec.verify, &chosen, &path)?;
+    check_film(&film, chosen.config)?;
+    let task = samples.task(film, spec.verify, &chosen)?;
     stop::listen()?;
     let parts = match farm::compute(&task, 1..=1, chosen, options.progress)? {
         Some(parts) => parts,
-        None => farm::complete(&task, &path)?,
+        None => farm::complete(&task, samples.plan())?,
     };
     let output =
         farm::FilmOutput { path: output, told: &options.output, encoding, mode: options.progress };
@@ -147,54 +142,18 @@ fn foresee(film: Film, spec: &RunSpec, options: &Options) -> anyhow::Result<()> 
     }
 }
 
-/// Makes the folder of the samples, and rejects one that cannot be written.
-fn prepare(cache: &Path, options: &Options, output: &Path) -> Result<(), Exit> {
-    let made = std::fs::create_dir_all(cache).and_then(|()| SafeFile::check(&plan_in(cache)));
-    made.map_err(|error| {
-        let folder = cache.display();
-        let message = match error.kind() {
-            ErrorKind::InvalidFilename if options.cache.is_none() => {
-                let output = output.display();
-                format!(
-                    "-o: the name {output} leaves no room for .samples: shorten it, or give --cache"
-                )
-            }
-            _ if cache.exists() && !cache.is_dir() => {
-                format!("--cache: cannot keep samples in {folder}: it is a file, not a folder")
-            }
-            _ => format!("--cache: cannot keep samples in {folder}: {error}"),
-        };
-        Exit::Failed(message)
+/// Opens the folder of the samples: that of `--cache`, or the one beside the film.
+fn samples(options: &Options, output: &Path) -> Result<FilmSamples, Exit> {
+    let beside = FilmSamples::beside(output);
+    let folder = options.cache.as_deref().unwrap_or(&beside);
+    FilmSamples::open(folder).map_err(|error| match error {
+        FilmSamplesError::Name(_) if options.cache.is_none() => Exit::Failed(format!(
+            "-o: the name {} leaves no room for .samples: shorten it, or give --cache",
+            output.display()
+        )),
+        FilmSamplesError::Foreign(_) => Exit::Usage(format!("--cache: {error}")),
+        error => Exit::Failed(format!("--cache: {error}")),
     })
-}
-
-/// Returns the plan file beside the samples.
-fn plan_in(cache: &Path) -> Destination {
-    Destination::File(cache.join("plan.toml"))
-}
-
-/// Writes a plan of a single shard next to the samples and returns its task.
-fn planned(film: Film, verify: bool, chosen: &Chosen, path: &Path) -> anyhow::Result<Task> {
-    check_film(&film, chosen.config)?;
-    let engine = (chosen.engine.as_ref(), chosen.config, verify);
-    let plan = Plan::new(PlannedOutput::Film(film), 1, engine, false);
-    super::write_whole(path, "--cache", plan.text().as_bytes())?;
-    Ok(Task::new(plan, path)?)
-}
-
-/// Refuses to replace a plan that `flipmap video` did not write.
-fn spares_plans(path: &Path) -> Result<(), Exit> {
-    match read_text(path) {
-        Ok(text) if !Plan::is_kept_by_film(&text) => Err(Exit::Usage(format!(
-            "--cache: {} was not written by flipmap video, which would replace it: name another folder",
-            path.display()
-        ))),
-        _ => Ok(()),
-    }
-}
-
-fn earlier(path: &Path) -> Option<Plan> {
-    Plan::parse(&read_text(path).ok()?).ok()
 }
 
 /// Returns the codec for the extension of a file name, or `None` for a folder.

@@ -286,7 +286,7 @@ fn gradients_of_others_paint_and_stay_in_the_picture() {
     for (palette, words) in [
         ("no.map", "--palette: no.map line 1 is 'nothing'; it must be red, green and blue from 0"),
         ("nowhere.ugr", "--palette: cannot read the gradient nowhere.ugr"),
-        ("#12,#34", "a list is 2 to 256 colours"),
+        ("#12,#34", "'#12' in it is not a colour"),
     ] {
         let error =
             refused(&folder, 2, &[&small[..], &["--palette", palette, "-o", "x.png"]].concat());

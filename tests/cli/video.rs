@@ -70,7 +70,7 @@ fn what_others_wrote_is_never_replaced() {
     fs::write(at("c/plan.toml"), "[project]\nname = \"theirs\"").unwrap();
     let cached = [&["video"], &CPU[..], &how, &["--cache", "c"]].concat();
     let output = flipmap(&folder, &cached);
-    assert!(error_of(&output).contains("is not a plan"), "{}", error_of(&output));
+    assert!(error_of(&output).contains("c/plan.toml was not written by flipmap video"));
     fs::remove_file(at("c/plan.toml")).unwrap();
     fs::write(at("c/download.part"), "half a file").unwrap();
     fs::write(at("f.txt"), "no frame").unwrap();
@@ -256,7 +256,7 @@ fn what_is_no_film_is_refused_by_name() {
         (&["--zoom-to", "deep", "-o", "/"], "a film is an .mp4, an .mkv"),
         (
             &["--zoom-to", "deep", "--frames", "60", "--fps", "30", "--secs", "9", "-o", "f"],
-            "--frames 60 at --fps 30 last 2.00 s, and --secs is 9",
+            "60 frames at 30 per second last 2.00 s, and the film 9 s: leave out one of the three",
         ),
         (&["home", "first", "-o", "f"], "key 2 has another rule than the first"),
         (&["home", "moment", "-o", "f"], "key 2 has another question than the first"),

@@ -43,6 +43,19 @@ impl EngineRequest {
         EngineRequest { kind, ends, ..self }
     }
 
+    /// Requests an engine that ran before, unless this request names one: another engine would differ
+    /// in the last digits.
+    #[must_use]
+    pub fn preferring(self, engine: EngineKind, adapter: &str) -> Self {
+        match (self.kind, &self.adapter, engine) {
+            (None, None, EngineKind::Cpu) => EngineRequest { kind: Some(engine), ..self },
+            (None, None, EngineKind::Gpu) => {
+                EngineRequest { kind: Some(engine), adapter: Some(adapter.to_string()), ..self }
+            }
+            _ => self,
+        }
+    }
+
     /// Returns true if answers will be checked. The kernel that checks them is tested first; an
     /// adapter on which it fails leaves the checks to the processor.
     pub fn verifies(&self) -> bool {

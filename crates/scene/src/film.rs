@@ -11,7 +11,9 @@ use serde::{Deserialize, Serialize};
 use super::allowed::between;
 use super::exact_length::exactly;
 use super::keys::Key;
-use super::{Axis, Budget, PendulumSpec, Plane, QuestionSettings, Scene, SceneError, View};
+use super::{
+    Axis, Budget, PendulumSpec, Plane, QuestionSettings, Sampling, Scene, SceneError, View,
+};
 use flipmap_numbers::{Decimal, Exact, Scalar};
 
 /// A film: frames of one size along a path of keys.
@@ -77,6 +79,35 @@ pub enum FilmError {
         /// Number of the key, from 1.
         number: usize,
     },
+    /// A number of frames that does not last as long as the film.
+    #[error(
+        "{frames} frames at {fps} per second last {lasts:.2} s, and the film {secs} s: leave out one \
+         of the three"
+    )]
+    Length {
+        /// Number of frames.
+        frames: u32,
+        /// Frames per second.
+        fps: f64,
+        /// Seconds that they last.
+        lasts: f64,
+        /// Seconds that the film was to last.
+        secs: f64,
+    },
+    /// A length that takes too many frames.
+    #[error(
+        "a film of {secs} s needs {needed} frames at {fps} per second, and a film has {} at most: give \
+         fewer seconds, frames per second or frames",
+        Film::MAX_FRAMES
+    )]
+    Long {
+        /// Length of the film, s.
+        secs: f64,
+        /// Frames per second.
+        fps: f64,
+        /// Number of frames.
+        needed: f64,
+    },
     /// A clock that starts or stops partway through the film.
     #[error("key {number} {has} a clock and the first {first}: give it to all keys or to none")]
     Clock {
@@ -98,6 +129,30 @@ impl Film {
     pub const MAX_FRAMES: u32 = 100_000;
     /// Range of the frames per second.
     pub const FPS: RangeInclusive<f64> = 0.1..=1000.0;
+
+    /// Samples of each pixel unless they are chosen.
+    pub const SAMPLES: Sampling = Sampling::Square(2);
+
+    /// Gives all keys the picture and the run of the first and views that fill the frames, refuses
+    /// keys that do not make a film, and settles the others' budgets. Each key must have been checked
+    /// by itself before.
+    pub fn settled(mut self) -> Result<Self, FilmError> {
+        let size = self.size.map(f64::from);
+        if let [first, others @ ..] = &mut self.keys[..] {
+            for key in others {
+                key.scene.picture.clone_from(&first.scene.picture);
+                key.scene.run.clone_from(&first.scene.run);
+            }
+        }
+        for key in &mut self.keys {
+            key.scene.view = key.scene.view.fitted(size);
+        }
+        self.check()?;
+        for key in &mut self.keys {
+            key.scene = std::mem::take(&mut key.scene).settled();
+        }
+        Ok(self)
+    }
 
     /// Refuses keys that do not make a film. Each key must have been checked by itself before.
     pub fn check(&self) -> Result<(), FilmError> {

@@ -24,6 +24,7 @@ mod document;
 mod exact_length;
 mod exact_plane;
 pub mod film;
+pub mod film_length;
 mod grid;
 pub mod keys;
 pub mod lattice;

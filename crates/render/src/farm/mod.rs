@@ -7,6 +7,7 @@
 //! are the same wherever they are computed, so any number of machines may work, stop, and start
 //! again.
 
+mod film_samples;
 mod frames;
 mod merge;
 mod parts;
@@ -15,6 +16,7 @@ mod run;
 mod spread;
 mod task;
 
+pub use film_samples::{FilmSamples, FilmSamplesError};
 pub(crate) use frames::frames;
 pub use merge::{MergeError, merge_still};
 pub use parts::{PartError, PartForm, PartForms, Parts};
@@ -22,5 +24,5 @@ pub use parts::{PartError, PartForm, PartForms, Parts};
 pub(crate) use parts::PartWriter;
 pub use plan::{Plan, PlanError, PlannedOutput};
 pub use run::{RunError, compute, run};
-pub use spread::{OpenChoices, spread_film, zoom};
+pub use spread::{OpenChoices, is_deep, spread_film};
 pub use task::{StillPass, Task, TaskKind, WorkPiece};

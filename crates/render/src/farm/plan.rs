@@ -5,7 +5,7 @@ use std::mem::take;
 use serde::{Deserialize, Serialize};
 
 use crate::output::sha256;
-use flipmap_engine::choice::IntegrationSetting;
+use flipmap_engine::choice::{EngineRequest, IntegrationSetting};
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::{Engine, EngineKind, IntegratorConfig, run_settings};
 use flipmap_scene::film::Film;
@@ -138,6 +138,16 @@ impl Plan {
         let plan = toml::from_str::<toml::Table>(text).unwrap_or_default();
         let shards = plan.get("shards").and_then(toml::Value::as_integer);
         plan.contains_key("film") && shards == Some(1)
+    }
+
+    /// Requests the engine that this plan was made for, unless the request names another or the plan
+    /// leaves it open.
+    #[must_use]
+    pub fn request_like(&self, request: EngineRequest) -> EngineRequest {
+        match self.any_engine {
+            true => request,
+            false => request.preferring(self.engine, self.adapter.as_deref().unwrap_or_default()),
+        }
     }
 
     /// Largest number of shards.

@@ -7,16 +7,27 @@ use flipmap_scene::PictureTable;
 use flipmap_scene::film::Film;
 use flipmap_scene::palette::{Palette, equalised};
 
-/// Returns the number of decades that a film zooms through, and the width of its narrowest key in
-/// rad.
-pub fn zoom(film: &Film) -> (f64, f64) {
-    let widths = film.keys.iter().map(|key| key.scene.view.width_rad().hi);
-    let (least, most) = widths.fold((f64::MAX, 0f64), |(a, b), w| (a.min(w), b.max(w)));
-    ((most / least).log10(), least)
-}
-
 /// Decades of zoom for each run through the palette.
 const DECADES_A_CYCLE: f64 = 2.0;
+/// Width in rad of a film's narrowest view below which its colours are spread over its own times.
+const DEEP_FILM_RAD: f64 = 1e-6;
+
+/// Returns true if a film zooms so far, or so deep, that its colours are spread over its own times
+/// unless the user chose others.
+pub fn is_deep(film: &Film) -> bool {
+    decades(film) > PictureTable::SPREAD_FILM_DECADES
+        || widths_rad(film).any(|width| width < DEEP_FILM_RAD)
+}
+
+/// Returns the number of decades that a film zooms through.
+fn decades(film: &Film) -> f64 {
+    let (least, most) = widths_rad(film).fold((f64::MAX, 0f64), |(a, b), w| (a.min(w), b.max(w)));
+    (most / least).log10()
+}
+
+fn widths_rad(film: &Film) -> impl Iterator<Item = f64> {
+    film.keys.iter().map(|key| key.scene.view.width_rad().hi)
+}
 
 /// The choices of colours that the user left open.
 #[derive(Clone, Copy, Debug)]
@@ -29,23 +40,24 @@ pub struct OpenChoices {
     pub repeat: bool,
 }
 
-/// Spreads the colours of a film of flips, which zooms through `decades`, over its own times.
+/// Spreads the colours of a film of flips over its own times.
 /// Deeper views flip later, so a long zoom runs through the palette repeatedly; unless the user
 /// chose a palette, it is then a cyclic one. If nothing flips, the colours stay as they are; returns
 /// false then.
 pub fn spread_film(
-    (task, parts): (&Task, &mut Parts),
-    decades: f64,
+    task: &Task,
+    parts: &mut Parts,
     open: OpenChoices,
     picture: &mut PictureTable,
 ) -> Result<bool, PartError> {
+    let TaskKind::Film(film, _) = &task.work else { return Ok(false) };
     let times = times(task, parts)?;
     if times.is_empty() {
         return Ok(false);
     }
     picture.times = times;
     if open.cycles && picture.cycles == 1.0 {
-        picture.cycles = (decades / DECADES_A_CYCLE).clamp(1.0, 100.0).round();
+        picture.cycles = (decades(film) / DECADES_A_CYCLE).clamp(1.0, 100.0).round();
         if picture.cycles > 1.0 && open.palette && Palette::is_unchosen(&picture.palette) {
             picture.palette = Palette::CYCLIC.to_string();
         }

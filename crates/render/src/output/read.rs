@@ -50,6 +50,12 @@ pub enum ReadError {
         /// Path of the file.
         path: PathBuf,
     },
+    /// A gradient in the place of a scene.
+    #[error("{path} is a gradient, which is a palette and not a scene")]
+    Gradient {
+        /// Path of the file.
+        path: PathBuf,
+    },
     /// A name that is neither that of a built-in scene nor that of a file with one.
     #[error(
         "no scene '{name}'{meant}: give a .toml file, a .png written by flipmap, a location \
@@ -149,7 +155,9 @@ fn document_in(mut file: impl BufRead + Seek, path: &Path) -> Result<Document, R
         Err(location::LocationError::Foreign) => {}
         Err(why) => return Err(ReadError::Location { why }),
     }
+    let is_gradient = ENDINGS.into_iter().any(|ending| ends_in(path, ending));
     Document::parse(text).map_err(|why| match is_scene || text.contains('=') {
+        _ if is_gradient => ReadError::Gradient { path: named() },
         true => ReadError::Scene { path: named(), why },
         false => ReadError::Kind { path: named() },
     })
@@ -201,6 +209,10 @@ mod tests {
         }
         for (name, begins) in [("a.jpg", "GIF89a"), ("a", "GIF87a"), ("a.txt", "BM9999999999")] {
             assert!(file(name, begins).contains("carries no scene"), "{name}");
+        }
+        for name in ["a.gpl", "a.ugr", "a.map"] {
+            let said = file(name, "title=\"fire\"");
+            assert!(said.ends_with(" is a gradient, which is a palette and not a scene"), "{said}");
         }
         assert!(file("b.toml", "[view]\nwidth = true").contains("b.toml: line 2"));
         assert!(file("b.txt", "[view]\nwidth = 0").contains("b.txt: line 2: `width` is '0'"));

@@ -23,12 +23,30 @@ pub fn even(colours: &[Rgb]) -> Vec<Stop> {
     colours.iter().enumerate().map(stop).collect()
 }
 
+/// Reasons why a text is not a list of colours.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ListError {
+    /// An entry that is not a colour with an optional place.
+    #[error("'{0}' in it is not a colour such as #ff8000, or #ff8000 30% for its place")]
+    Entry(String),
+    /// Too few or too many colours.
+    #[error("a list is {least} to {most} colours from early to late, separated by commas, not {0}",
+        least = STOPS.start(), most = STOPS.end())]
+    Count(usize),
+    /// Places outside of 0 to 100 %, or that fall.
+    #[error("the places in it must lie between 0 and 100 % and must not fall")]
+    Places,
+}
+
 /// Reads a list of colours from early to late, such as `#000000,#ff8000 30%,#ffffff`. As in the
 /// gradients of CSS, the first is at 0 % and the last at 100 % unless they say otherwise, and others
 /// without a place are evenly spaced between their neighbours. Places must not fall.
-pub fn parse_list(text: &str) -> Option<Vec<Stop>> {
-    let parts: Option<Vec<(Rgb, Option<f64>)>> = text.split(',').map(parse_stop).collect();
-    let mut parts = parts.filter(|parts| STOPS.contains(&parts.len()))?;
+pub fn parse_list(text: &str) -> Result<Vec<Stop>, ListError> {
+    let entry = |part: &str| parse_stop(part).ok_or_else(|| ListError::Entry(part.to_string()));
+    let mut parts = text.split(',').map(entry).collect::<Result<Vec<_>, _>>()?;
+    if !STOPS.contains(&parts.len()) {
+        return Err(ListError::Count(parts.len()));
+    }
     let last = parts.len() - 1;
     parts[0].1.get_or_insert(0.0);
     parts[last].1.get_or_insert(1.0);
@@ -38,11 +56,12 @@ pub fn parse_list(text: &str) -> Option<Vec<Stop>> {
             let before = stops.last()?.place;
             let next = (k..=last).find(|next| parts[*next].1.is_some())?;
             Some(before + (parts[next].1? - before) / (next - k + 1) as f64)
-        })?;
-        stops.push(Stop { place, colour: *colour });
+        });
+        stops.push(Stop { place: place.ok_or(ListError::Places)?, colour: *colour });
     }
     let known = |stop: &Stop| (0.0..=1.0).contains(&stop.place);
-    (stops.iter().all(known) && stops.is_sorted_by(|a, b| a.place <= b.place)).then_some(stops)
+    let is_fine = stops.iter().all(known) && stops.is_sorted_by(|a, b| a.place <= b.place);
+    if is_fine { Ok(stops) } else { Err(ListError::Places) }
 }
 
 /// Reads a colour with an optional place such as `30%`.
@@ -109,14 +128,17 @@ mod tests {
         assert_eq!((table[0], table[255]), ([0; 3], [255; 3]));
         assert!(table[127][0].abs_diff(254) <= 1 && table[127][2] <= 1, "{:?}", table[127]);
         for wrong in ["", "#000000", "#000000,red", "#000000,#12345", &"#000000,".repeat(300)] {
-            assert_eq!(parse_list(wrong), None, "{wrong}");
+            assert!(parse_list(wrong).is_err(), "{wrong}");
         }
+        let said = |wrong: &str| parse_list(wrong).unwrap_err().to_string();
+        assert!(said("#000000,#12345,#fff").starts_with("'#12345' in it is not a colour"));
+        assert!(said("#000000").ends_with("separated by commas, not 1"));
     }
 
     #[test]
     fn places_follow_the_rules_of_css() {
         let places = |text: &str| -> Option<Vec<f64>> {
-            Some(parse_list(text)?.iter().map(|stop| stop.place).collect())
+            Some(parse_list(text).ok()?.iter().map(|stop| stop.place).collect())
         };
         assert_eq!(places("#000,#f00 25%,#0f0,#fff"), Some(vec![0.0, 0.25, 0.625, 1.0]));
         assert_eq!(places("#000 10%,#fff 10%,#00f 50%"), Some(vec![0.1, 0.1, 0.5]));

@@ -62,16 +62,20 @@ const FORM: &str =
 
 impl GroundTable {
     /// Sets some of the colours from a text such as `unflipped=#101018,curve=#ffffff`.
-    pub fn set(&mut self, text: &str) -> Result<(), &'static str> {
+    pub fn set(&mut self, text: &str) -> Result<(), String> {
         for part in text.split(',') {
-            let (name, colour) = part.split_once('=').ok_or(FORM)?;
+            let refuse = || match part == text {
+                true => FORM.to_string(),
+                false => format!("'{part}' in it is wrong: {FORM}"),
+            };
+            let (name, colour) = part.split_once('=').ok_or_else(refuse)?;
             let own = match name.trim() {
                 "unflipped" => &mut self.unflipped,
                 "forbidden" => &mut self.forbidden,
                 "curve" => &mut self.curve,
-                _ => return Err(FORM),
+                _ => return Err(refuse()),
             };
-            parse_colour(colour.trim()).ok_or(FORM)?;
+            parse_colour(colour.trim()).ok_or_else(refuse)?;
             *own = Some(colour.trim().to_lowercase());
         }
         Ok(())

@@ -125,11 +125,8 @@ impl Palette {
     }
 
     fn of_list(text: &str) -> Result<Self, SceneError> {
-        let stops = gradient::parse_list(text).ok_or_else(|| {
-            let range = "a list is 2 to 256 colours such as #ff8000 or #ff8000 30%, from early to \
-                         late, separated by commas";
-            SceneError::new("palette", format!("'{text}'"), range)
-        })?;
+        let stops = gradient::parse_list(text)
+            .map_err(|why| SceneError::new("palette", format!("'{text}'"), why.to_string()))?;
         let table = gradient::table(&stops).into_iter().map(tint_of).collect();
         Ok(Palette { name: "custom", ground: Ground::DARK, table })
     }

@@ -45,8 +45,12 @@ impl Settings {
     /// Largest number of commands that are remembered.
     const MAX_RECENT_COMMANDS: usize = 5;
 
-    /// Remembers a command as the one used last.
+    /// Remembers a command as the one used last, unless it only serves tests.
     fn used(&mut self, command: &Command) {
+        #[cfg(feature = "rigs")]
+        if command.action == Action::LoseDevice {
+            return;
+        }
         self.recent_commands.retain(|name| *name != command.name);
         self.recent_commands.insert(0, command.name.to_string());
         self.recent_commands.truncate(Self::MAX_RECENT_COMMANDS);

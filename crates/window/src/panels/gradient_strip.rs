@@ -30,7 +30,7 @@ const WHEEL_POINTS: f32 = 1500.0;
 /// adds, paints or removes stops. The wheel shifts the palette.
 pub(super) fn gradient_strip(ui: &mut Ui, picture: &mut PictureTable, bars: &[f32]) {
     let Ok(palette) = Palette::named(&picture.palette) else { return };
-    let listed = parse_list(&picture.palette).filter(|stops| stops.len() <= MAX_EDITED_STOPS);
+    let listed = parse_list(&picture.palette).ok().filter(|stops| stops.len() <= MAX_EDITED_STOPS);
     let width = ui.available_width();
     let handles_height = if listed.is_some() { HANDLES_HEIGHT } else { 2.0 };
     let height = BARS_HEIGHT + COLOURS_HEIGHT + handles_height;
