@@ -86,3 +86,35 @@ fn the_keyboard_reaches_everything_and_what_it_reaches_is_seen() {
         assert!(missed.is_empty(), "{section}: {missed:#?}");
     }
 }
+
+/// egui refuses negative sizes; a window can be smaller than any panel.
+#[test]
+fn every_section_and_figure_is_drawn_in_windows_of_any_size() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut desktop = crowded(folder.path());
+    let sizes = [[60.0, 60.0], [96.0, 840.0], [1100.0, 60.0], [230.0, 200.0], [700.0, 90.0]];
+    let large = egui::vec2(1100.0, 700.0);
+    for section in SECTIONS {
+        desktop.set_size(large);
+        desktop.run_steps(3);
+        open_section(&mut desktop, section);
+        for [width, height] in sizes {
+            desktop.set_size(egui::vec2(width, height));
+            desktop.run_steps(3);
+        }
+    }
+    // The story shows one figure after another.
+    desktop.set_size(large);
+    press(&mut desktop, Modifiers::COMMAND, Key::K);
+    desktop.event(Event::Text("story".to_string()));
+    desktop.run_steps(2);
+    press(&mut desktop, Modifiers::NONE, Key::Enter);
+    for _ in 0..7 {
+        for [width, height] in sizes {
+            desktop.set_size(egui::vec2(width, height));
+            desktop.run_steps(3);
+        }
+        desktop.set_size(large);
+        press(&mut desktop, Modifiers::NONE, Key::PageDown);
+    }
+}

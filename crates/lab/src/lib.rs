@@ -245,7 +245,7 @@ impl Lab {
     fn show_in_columns(&mut self, ui: &mut Ui, high: f32) -> Option<FigureRequest> {
         let width = ui.available_width();
         let controls = (0.32 * width).clamp(*CONTROLS_WIDTH.start(), *CONTROLS_WIDTH.end());
-        let stage = vec2(width - controls - GAP, high);
+        let stage = vec2((width - controls - GAP).max(0.0), high);
         ui.horizontal_top(|ui| {
             ui.spacing_mut().item_spacing.x = GAP;
             let scroll = |name| ScrollArea::vertical().id_salt(name).max_height(high);
@@ -272,7 +272,8 @@ impl Lab {
             if has_sentence {
                 self.sentence(ui);
             }
-            let stage = vec2(ui.available_width(), high - ui.min_rect().height() - 8.0);
+            let high = (high - ui.min_rect().height() - 8.0).max(0.0);
+            let stage = vec2(ui.available_width(), high);
             ui.scope(|ui| self.draw(ui, stage));
             self.side(ui)
         });

@@ -26,7 +26,7 @@ impl AppModel {
             return Vec::new();
         }
         let corner = map.right_top() + vec2(-MARGIN_POINTS, MARGIN_POINTS);
-        let width = CARD_POINTS.min(CARD_SHARE * map.width());
+        let width = CARD_POINTS.min(CARD_SHARE * map.width()).max(0.0);
         let most = (map.height() - 4.0 * MARGIN_POINTS).max(1.0);
         let area = Area::new(Id::unique("pendulum card")).pivot(Align2::RIGHT_TOP);
         let shown = area.fixed_pos(corner).constrain_to(map).show(ui.ctx(), |ui| {

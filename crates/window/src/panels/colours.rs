@@ -123,7 +123,7 @@ fn palettes(ui: &mut Ui, picture: &mut PictureTable, kept: &BTreeMap<String, Str
         let name = Palette::named(&picture.palette).map_or("", |palette| palette.name);
         listed.push((name.to_string(), picture.palette.clone()));
     }
-    let strip_width = 0.5 * ui.available_width() - NAME_WIDTH;
+    let strip_width = (0.5 * ui.available_width() - NAME_WIDTH).max(0.0);
     Grid::new("palettes").num_columns(4).show(ui, |ui| {
         for pair in listed.chunks(2) {
             for (name, text) in pair {

@@ -20,7 +20,7 @@ pub(super) fn question_tiles(
     mut texture: impl FnMut(usize) -> Option<TextureId>,
 ) {
     let gap = 8.0;
-    let width = (ui.available_width() - gap) / COLUMNS as f32;
+    let width = (ui.available_width() - gap).max(0.0) / COLUMNS as f32;
     let size = vec2(width, width * ASPECT + TITLE_POINTS);
     for (row, asks) in QuestionName::ALL.chunks(COLUMNS).enumerate() {
         ui.horizontal(|ui| {

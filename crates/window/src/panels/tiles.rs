@@ -18,7 +18,8 @@ pub(crate) struct PlaceTile {
 /// Shows tiles of equal size in rows of `columns`; returns the index of the one that was clicked.
 pub(crate) fn place_tiles(ui: &mut Ui, tiles: &[PlaceTile], columns: usize) -> Option<usize> {
     let gap = 8.0;
-    let width = (ui.available_width() - gap * (columns - 1) as f32) / columns as f32;
+    let room = (ui.available_width() - gap * (columns - 1) as f32).max(0.0);
+    let width = room / columns as f32;
     let mut clicked = None;
     for (row, some) in tiles.chunks(columns).enumerate() {
         ui.horizontal_top(|ui| {
