@@ -4,8 +4,8 @@
 
 use flipmap::{Dd, Outcome, Pendulum, Rule, oracle};
 use flipmap_engine::EventSpec;
-use flipmap_engine::cpu::{Dop853, EmbeddedPair, outcomes};
-use flipmap_pendulum::embedded::Trial;
+use flipmap_engine::cpu::outcomes;
+use flipmap_pendulum::embedded::{Dop853, EmbeddedPair, Trial};
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::phase::Phase;
 use flipmap_scene::PendulumSpec;

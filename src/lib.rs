@@ -36,7 +36,7 @@
 //! ```
 //!
 //! The equations of motion are generic too: an integrator of your own, an
-//! [`EmbeddedPair`](flipmap_engine::cpu::EmbeddedPair), runs on the processor's SIMD lanes as ours
+//! [`EmbeddedPair`](flipmap_pendulum::embedded::EmbeddedPair), runs on the processor's SIMD lanes as ours
 //! do (`examples/custom_integrator.rs`).
 //!
 //! # The crates

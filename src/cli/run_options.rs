@@ -29,8 +29,8 @@ pub(super) struct RunOptions {
     accuracy: Option<String>,
     #[arg(hide_short_help = true, long, hide_possible_values = true,
           help = format!("Integration method instead of an accuracy level: {}",
-                         in_a_row(&Method::NAMES, "or")),
-          value_parser = Suggested(Method::NAMES.to_vec()))]
+                         in_a_row(&Method::names(), "or")),
+          value_parser = Suggested(Method::names()))]
     method: Option<String>,
     /// Step of rk4 in seconds, as a number or a fraction
     #[arg(hide_short_help = true, long, value_name = "SECONDS", allow_hyphen_values = true)]

@@ -20,8 +20,8 @@ const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 fn configs() -> Vec<IntegratorConfig> {
     let config = |method, precision| IntegratorConfig { method, precision };
     let mut configs = PRECISIONS.map(lesson).to_vec();
-    configs.push(config(Method::Dopri5 { tolerance: 1e-7 }, Precision::F32));
-    configs.push(config(Method::Dop853 { tolerance: 1e-12 }, Precision::F64));
+    configs.push(config(Method::dopri5(1e-7), Precision::F32));
+    configs.push(config(Method::dop853(1e-12), Precision::F64));
     configs.push(FINEST);
     configs
 }

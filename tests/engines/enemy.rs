@@ -143,8 +143,8 @@ fn deep_pixels_that_polynomials_know_are_no_doubts() {
 fn every_configuration_is_checked(engine: &dyn Fn() -> Box<dyn Engine>) {
     let scene = scene(rods(), Rule::First, 30.0, View::default());
     let truths = truths(&scene, 24, 1);
-    let dopri5 = |tolerance| Method::Dopri5 { tolerance };
-    let dop853 = |tolerance| Method::Dop853 { tolerance };
+    let dopri5 = Method::dopri5;
+    let dop853 = Method::dop853;
     let taylor = |tolerance| Method::Taylor { tolerance };
     let all = [
         (Method::LESSON, Precision::F32),

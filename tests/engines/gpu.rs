@@ -17,6 +17,7 @@ use flipmap_engine::{
 };
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
+use flipmap_pendulum::embedded::Pair;
 use flipmap_scene::{PendulumSpec, Scene};
 
 /// The `lesson` configurations in both precisions, those of `fast` and `balanced`, and expansions.
@@ -53,8 +54,10 @@ fn in_f32(job: Job) -> Job {
     let config = IntegratorConfig { precision: Precision::F32, ..job.config };
     let config = match config.method {
         // f32 is never requested with a method of higher order.
-        Method::Dop853 { .. } | Method::Taylor { .. } => Accuracy::Fast.configs()[0],
-        _ => config,
+        Method::Embedded { pair: Pair::Dop853, .. }
+        | Method::Taylor { .. }
+        | Method::Extrapolation { .. } => Accuracy::Fast.configs()[0],
+        Method::Embedded { pair: Pair::Dopri5, .. } | Method::Rk4 { .. } => config,
     };
     Job { config, ..job }
 }

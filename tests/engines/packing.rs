@@ -46,9 +46,9 @@ mod checks {
         let methods = [
             lesson(Precision::F32),
             lesson(Precision::F64),
-            config(Method::Dopri5 { tolerance: 1e-7 }, Precision::F32),
-            config(Method::Dopri5 { tolerance: 1e-9 }, Precision::Df32),
-            config(Method::Dop853 { tolerance: 1e-12 }, Precision::F64),
+            config(Method::dopri5(1e-7), Precision::F32),
+            config(Method::dopri5(1e-9), Precision::Df32),
+            config(Method::dop853(1e-12), Precision::F64),
         ];
         let mut engine = gpu_engine();
         for config in methods {
@@ -91,7 +91,7 @@ mod checks {
         let mut engine = gpu_engine();
         // Bytes of the list lengths after each submission, and of the work counts.
         let (progress, work) = (272, 32);
-        let adaptive = Method::Dop853 { tolerance: 1e-12 };
+        let adaptive = Method::dop853(1e-12);
         for (config, packed) in [
             (lesson(Precision::F32), 8),
             (lesson(Precision::F64), 12),

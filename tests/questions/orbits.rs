@@ -124,7 +124,7 @@ fn the_card_finds_the_returns_that_the_processor_does() {
 #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
 fn pairs_of_floats_find_the_returns_of_f64() {
     let scene = scene(QuestionName::Return, plane("speeds", ["1", "-1", "0", "0"]), "6", 3.0);
-    let method = Method::Dopri5 { tolerance: 1e-10 };
+    let method = Method::dopri5(1e-10);
     let by_pairs = IntegratorConfig { method, precision: Precision::Df32 };
     let by_card = rendered(&scene, 8, by_pairs, Box::new(gpu_engine()));
     let by_cpu = by_cpu(&scene, 8, BALANCED);

@@ -164,7 +164,7 @@ pub(crate) fn true_passes(scene: &Scene, start: State<Dd>) -> Vec<Pass> {
 
 pub(crate) const ALL_METHODS: [IntegratorConfig; 5] = [
     BALANCED,
-    IntegratorConfig { method: Method::Dopri5 { tolerance: 1e-10 }, precision: Precision::F64 },
+    IntegratorConfig { method: Method::dopri5(1e-10), precision: Precision::F64 },
     IntegratorConfig { method: Method::Taylor { tolerance: 1e-15 }, precision: Precision::F64 },
     IntegratorConfig { method: Method::Rk4 { step_secs: 1.0 / 2000.0 }, precision: Precision::F64 },
     FAST,

@@ -113,9 +113,9 @@ fn designs() -> Vec<Design> {
     for (method, precision) in [
         (Method::LESSON, Precision::F32),
         (Method::LESSON, Precision::F64),
-        (Method::Dopri5 { tolerance: 1e-7 }, Precision::F32),
-        (Method::Dopri5 { tolerance: 1e-9 }, Precision::Df32),
-        (Method::Dop853 { tolerance: 1e-12 }, Precision::F64),
+        (Method::dopri5(1e-7), Precision::F32),
+        (Method::dopri5(1e-9), Precision::Df32),
+        (Method::dop853(1e-12), Precision::F64),
         (Method::Taylor { tolerance: 1e-15 }, Precision::F64),
     ] {
         let config = IntegratorConfig { method, precision };
@@ -168,7 +168,7 @@ fn every_assembled_shader_is_valid() {
 
 #[test]
 fn structs_have_the_same_offsets_on_both_sides() {
-    let method = Method::Dopri5 { tolerance: 1e-7 };
+    let method = Method::dopri5(1e-7);
     let config = IntegratorConfig { method, precision: Precision::F32 };
     let module = parsed(&Design::general(&config, true, true).unwrap().text());
     let head = size_of::<JobHead>();

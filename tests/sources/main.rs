@@ -5,6 +5,7 @@ mod architecture;
 mod examples;
 mod fuzz_corpus;
 mod kernels;
+mod matches;
 mod prose;
 #[path = "../common/shader_structs.rs"]
 mod shader_structs;

@@ -97,14 +97,14 @@ fn is_function(line: &str) -> bool {
 }
 
 /// The tableau of a method of order eight is long.
-const TABLES: [&str; 1] = ["pub fn dop853<T: Real>("];
+const TABLES: [(&str, &str); 1] = [("embedded/dop853.rs", "fn trial<T: Real>(")];
 
 #[test]
 fn functions_are_short() {
     let mut lengths = Vec::new();
     for (file, text) in sources() {
         for (head, lines) in items(&text, is_function) {
-            let table = TABLES.contains(&head);
+            let table = TABLES.iter().any(|(end, name)| file.ends_with(end) && head == *name);
             assert!(lines.len() <= 60 || table, "{}: {head}: {}", file.display(), lines.len());
             lengths.push(lines.len());
         }

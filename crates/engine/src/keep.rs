@@ -56,17 +56,23 @@ impl WantedEnds {
 
     /// Returns an error if an integrator config cannot compute these ends.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
-        let method = config.method;
-        let is_eighth = matches!(method, Method::Dop853 { .. });
-        let why = if self == WantedEnds::Return && matches!(method, Method::Extrapolation { .. }) {
-            "returns are not computed by midpoint rules"
-        } else if self == WantedEnds::Growth && is_eighth && config.precision == Precision::Df32 {
-            // Its kernel takes more than ten minutes to compile.
-            "growth in df32 is computed by the method dopri5"
-        } else {
-            return Ok(());
-        };
-        Err(EngineError::Unsupported(why.to_string()))
+        let refuse = |why: &str| Err(EngineError::Unsupported(why.to_string()));
+        match config.method {
+            Method::Extrapolation { .. } if self == WantedEnds::Return => {
+                refuse("returns are not computed by midpoint rules")
+            }
+            Method::Embedded { pair, .. }
+                if self == WantedEnds::Growth
+                    && config.precision == Precision::Df32
+                    && !pair.data().carries_tangents_in_df32 =>
+            {
+                refuse("growth in df32 is computed by the method dopri5")
+            }
+            Method::Rk4 { .. }
+            | Method::Embedded { .. }
+            | Method::Taylor { .. }
+            | Method::Extrapolation { .. } => Ok(()),
+        }
     }
 }
 

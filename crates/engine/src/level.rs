@@ -28,13 +28,13 @@ pub const LESSON: IntegratorConfig =
     IntegratorConfig { method: Method::LESSON, precision: Precision::F32 };
 /// Configuration of `fast`.
 pub const FAST: IntegratorConfig =
-    IntegratorConfig { method: Method::Dopri5 { tolerance: 5e-8 }, precision: Precision::F32 };
+    IntegratorConfig { method: Method::dopri5(5e-8), precision: Precision::F32 };
 /// Configuration of `balanced` where f64 is trusted.
 pub const BALANCED: IntegratorConfig =
-    IntegratorConfig { method: Method::Dop853 { tolerance: 3e-13 }, precision: Precision::F64 };
+    IntegratorConfig { method: Method::dop853(3e-13), precision: Precision::F64 };
 /// Configuration of `balanced` where f64 is not trusted, or is slower.
 pub const BALANCED_DF32: IntegratorConfig =
-    IntegratorConfig { method: Method::Dop853 { tolerance: 1e-12 }, precision: Precision::Df32 };
+    IntegratorConfig { method: Method::dop853(1e-12), precision: Precision::Df32 };
 
 /// The finest configuration in f64, by which `exact` checks the pixels that others leave open.
 pub const FINEST: IntegratorConfig =
@@ -93,64 +93,6 @@ impl FromStr for Accuracy {
     }
 }
 
-impl Method {
-    /// The method called `name` with the setting that suits `precision`.
-    pub fn named(name: &str, precision: Precision) -> Option<Method> {
-        let of_pairs = match precision {
-            Precision::F32 => 5e-8,
-            Precision::Df32 => 1e-12,
-            _ => 3e-13,
-        };
-        let of_series = if precision == Precision::Dd { 1e-25 } else { 1e-15 };
-        match name {
-            "rk4" => Some(Method::LESSON),
-            "dopri5" => Some(Method::Dopri5 { tolerance: of_pairs }),
-            "dop853" => Some(Method::Dop853 { tolerance: of_pairs }),
-            "taylor" => Some(Method::Taylor { tolerance: of_series }),
-            _ => None,
-        }
-    }
-
-    /// The precision that suits a method best.
-    pub(crate) fn home_precision(name: &str) -> Precision {
-        match name {
-            "rk4" | "dopri5" => Precision::F32,
-            _ => Precision::F64,
-        }
-    }
-
-    /// The method that suits a precision best.
-    pub(crate) fn home_method(precision: Precision) -> &'static str {
-        match precision {
-            Precision::F32 => "dopri5",
-            Precision::Df32 | Precision::F64 => "dop853",
-            Precision::Dd => "taylor",
-        }
-    }
-
-    /// Returns the method with another tolerance, or `None` for fixed steps.
-    pub(crate) fn with_tolerance(self, tolerance: f64) -> Option<Method> {
-        match self {
-            Method::Rk4 { .. } => None,
-            Method::Dopri5 { .. } => Some(Method::Dopri5 { tolerance }),
-            Method::Dop853 { .. } => Some(Method::Dop853 { tolerance }),
-            Method::Taylor { .. } => Some(Method::Taylor { tolerance }),
-            Method::Extrapolation { .. } => Some(Method::Extrapolation { tolerance }),
-        }
-    }
-
-    /// Returns the method's tolerance, or `None` for fixed steps.
-    pub fn tolerance(self) -> Option<f64> {
-        match self {
-            Method::Rk4 { .. } => None,
-            Method::Dopri5 { tolerance }
-            | Method::Dop853 { tolerance }
-            | Method::Taylor { tolerance }
-            | Method::Extrapolation { tolerance } => Some(tolerance),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -165,21 +107,5 @@ mod tests {
                 assert!(config.method.tolerance().is_none_or(|t| t >= least), "{config:?}");
             }
         }
-    }
-
-    #[test]
-    fn every_method_has_a_setting_and_a_home() {
-        for name in Method::NAMES {
-            let precision = Method::home_precision(name);
-            let method = Method::named(name, precision).unwrap();
-            assert_eq!(method.name(), name);
-            assert!(method.least_tolerance(precision).is_some());
-        }
-        for (_, precision) in Precision::ALL {
-            let method = Method::named(Method::home_method(precision), precision).unwrap();
-            let least = method.least_tolerance(precision).unwrap();
-            assert!(method.tolerance().unwrap() >= least, "{precision}");
-        }
-        assert_eq!(Method::named("euler", Precision::F32), None);
     }
 }

@@ -16,7 +16,7 @@
 //!   turns the words of a request into settings.
 //!
 //! ```
-//! use flipmap_engine::cpu::{Dop853, outcomes};
+//! use flipmap_engine::cpu::outcomes;
 //! use flipmap_engine::EventSpec;
 //! use flipmap_numbers::Dd;
 //! use flipmap_pendulum::Rule;
@@ -184,20 +184,18 @@ impl Job {
                 Pace::Adaptive(adaptive.for_launches(&self.question, fastest))
             }
         };
-        Ok(match (pace, self.config.method, &self.starts) {
-            // These methods keep one tolerance throughout.
-            (_, Method::Taylor { .. } | Method::Extrapolation { .. }, Starts::Moving(_)) => pace,
-            (Pace::Adaptive(adaptive), _, Starts::Moving(moving)) => {
-                // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels (in a
-                // larger leaf, neighbours differ by less), and doubled in f64 since the tolerance
-                // rises.
-                let finer = if self.config.precision == Precision::F32 { 200.0 } else { 2000.0 };
-                let finer = finer * f64::from(self.config.leaf_pixels()) / 16.0;
-                let control = adaptive.control.after_a_cell(moving.since, moving.end, finer);
-                Pace::Adaptive(Adaptive { control, ..adaptive })
-            }
-            _ => pace,
-        })
+        let (Pace::Adaptive(adaptive), Starts::Moving(moving)) = (pace, &self.starts) else {
+            return Ok(pace);
+        };
+        if self.config.method.is_steady() {
+            return Ok(pace);
+        }
+        // Measured on filaments 1e-3 to 1e-22 rad wide with leaves of 16 pixels (in a larger leaf,
+        // neighbours differ by less), and doubled in f64 since the tolerance rises.
+        let finer = if self.config.precision == Precision::F32 { 200.0 } else { 2000.0 };
+        let finer = finer * f64::from(self.config.leaf_pixels()) / 16.0;
+        let control = adaptive.control.after_a_cell(moving.since, moving.end, finer);
+        Ok(Pace::Adaptive(Adaptive { control, ..adaptive }))
     }
 }
 

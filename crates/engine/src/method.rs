@@ -6,25 +6,23 @@ use std::str::FromStr;
 use flipmap_scene::named;
 
 use super::IntegratorConfig;
+use flipmap_pendulum::embedded::Pair;
 use flipmap_pendulum::{extrapolation, series};
 
 /// The method by which a pixel is integrated.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub enum Method {
     /// The classical Runge–Kutta method with a fixed step in seconds.
     Rk4 {
         /// Length of the step in seconds.
         step_secs: f64,
     },
-    /// Dormand and Prince's pair of orders 5 and 4: small coefficients, for f32.
-    Dopri5 {
+    /// An embedded pair.
+    Embedded {
+        /// The pair.
+        pair: Pair,
         /// Tolerance of one step just after the release; it rises from there (see
         /// `flipmap_pendulum::control`).
-        tolerance: f64,
-    },
-    /// Dormand and Prince's pair of order 8, for everything finer.
-    Dop853 {
-        /// Tolerance of one step, which rises as for [`Method::Dopri5`].
         tolerance: f64,
     },
     /// Taylor expansions to the precision of the number type: the check of the other methods, and
@@ -42,27 +40,118 @@ pub enum Method {
     },
 }
 
+/// Names of the methods that are no embedded pairs.
+const RK4: &str = "rk4";
+const TAYLOR: &str = "taylor";
+
 impl Method {
     /// The lesson's method: RK4 with 120 steps per second.
     pub const LESSON: Method = Method::Rk4 { step_secs: 1.0 / 120.0 };
 
-    /// Names of the methods that users can ask for.
-    pub const NAMES: [&str; 4] = ["rk4", "dopri5", "dop853", "taylor"];
+    /// The method of Dormand and Prince's pair of orders 5 and 4.
+    pub const fn dopri5(tolerance: f64) -> Self {
+        Method::Embedded { pair: Pair::Dopri5, tolerance }
+    }
+
+    /// The method of Dormand and Prince's pair of order 8.
+    pub const fn dop853(tolerance: f64) -> Self {
+        Method::Embedded { pair: Pair::Dop853, tolerance }
+    }
+
+    /// Returns the names of the methods that users can ask for.
+    pub fn names() -> Vec<&'static str> {
+        let pairs = Pair::ALL.map(|pair| pair.data().name);
+        [&[RK4][..], &pairs, &[TAYLOR]].concat()
+    }
+
+    /// The method called `name` with the setting that suits `precision`.
+    pub fn named(name: &str, precision: Precision) -> Option<Method> {
+        let of_pairs = match precision {
+            Precision::F32 => 5e-8,
+            Precision::Df32 => 1e-12,
+            Precision::F64 | Precision::Dd => 3e-13,
+        };
+        let of_series = if precision == Precision::Dd { 1e-25 } else { 1e-15 };
+        match name {
+            RK4 => Some(Method::LESSON),
+            TAYLOR => Some(Method::Taylor { tolerance: of_series }),
+            name => {
+                let pair = Pair::ALL.into_iter().find(|pair| pair.data().name == name)?;
+                Some(Method::Embedded { pair, tolerance: of_pairs })
+            }
+        }
+    }
 
     /// Name of the method.
     pub fn name(self) -> &'static str {
         match self {
-            Method::Rk4 { .. } => "rk4",
-            Method::Dopri5 { .. } => "dopri5",
-            Method::Dop853 { .. } => "dop853",
-            Method::Taylor { .. } => "taylor",
+            Method::Rk4 { .. } => RK4,
+            Method::Embedded { pair, .. } => pair.data().name,
+            Method::Taylor { .. } => TAYLOR,
             Method::Extrapolation { .. } => "extrapolation",
+        }
+    }
+
+    /// The precision that suits a method best: small steps are no better than f32.
+    pub(crate) fn home_precision(name: &str) -> Precision {
+        match Self::named(name, Precision::F64) {
+            Some(Method::Rk4 { .. }) => Precision::F32,
+            Some(Method::Embedded { pair, .. }) if pair.data().order <= 5 => Precision::F32,
+            Some(
+                Method::Embedded { .. } | Method::Taylor { .. } | Method::Extrapolation { .. },
+            )
+            | None => Precision::F64,
+        }
+    }
+
+    /// The method that suits a precision best.
+    pub(crate) fn home_method(precision: Precision) -> &'static str {
+        match precision {
+            Precision::F32 => Pair::Dopri5.data().name,
+            Precision::Df32 | Precision::F64 => Pair::Dop853.data().name,
+            Precision::Dd => TAYLOR,
         }
     }
 
     /// Returns true if steps are taken by Taylor expansions.
     pub(crate) fn is_series(self) -> bool {
         matches!(self, Method::Taylor { .. })
+    }
+
+    /// Returns true if the method keeps one tolerance at all times.
+    pub(crate) fn is_steady(self) -> bool {
+        match self {
+            Method::Taylor { .. } | Method::Extrapolation { .. } => true,
+            Method::Rk4 { .. } | Method::Embedded { .. } => false,
+        }
+    }
+
+    /// Returns the length of fixed steps in s, or `None` for adaptive ones.
+    pub fn step_secs(self) -> Option<f64> {
+        match self {
+            Method::Rk4 { step_secs } => Some(step_secs),
+            Method::Embedded { .. } | Method::Taylor { .. } | Method::Extrapolation { .. } => None,
+        }
+    }
+
+    /// Returns the method with another tolerance, or `None` for fixed steps.
+    pub(crate) fn with_tolerance(self, tolerance: f64) -> Option<Method> {
+        match self {
+            Method::Rk4 { .. } => None,
+            Method::Embedded { pair, .. } => Some(Method::Embedded { pair, tolerance }),
+            Method::Taylor { .. } => Some(Method::Taylor { tolerance }),
+            Method::Extrapolation { .. } => Some(Method::Extrapolation { tolerance }),
+        }
+    }
+
+    /// Returns the method's tolerance, or `None` for fixed steps.
+    pub fn tolerance(self) -> Option<f64> {
+        match self {
+            Method::Rk4 { .. } => None,
+            Method::Embedded { tolerance, .. }
+            | Method::Taylor { tolerance }
+            | Method::Extrapolation { tolerance } => Some(tolerance),
+        }
     }
 
     /// The method's step or tolerance as text, for people and files.
@@ -76,8 +165,7 @@ impl Method {
                     format!("step {step_secs}")
                 }
             }
-            Method::Dopri5 { tolerance }
-            | Method::Dop853 { tolerance }
+            Method::Embedded { tolerance, .. }
             | Method::Taylor { tolerance }
             | Method::Extrapolation { tolerance } => format!("tolerance {tolerance:e}"),
         }
@@ -87,11 +175,41 @@ impl Method {
     pub(crate) fn rhs_per_step(self, precision: Precision) -> u64 {
         match self {
             Method::Rk4 { .. } => 4,
-            Method::Dopri5 { .. } => 7,
-            Method::Dop853 { .. } => 12,
+            Method::Embedded { pair, .. } => pair.data().rhs_per_step,
             Method::Taylor { .. } if precision == Precision::Dd => series::ORDER_DD as u64,
             Method::Taylor { .. } => series::ORDER_F64 as u64,
             Method::Extrapolation { .. } => extrapolation::rhs_per_step(COLUMNS) as u64,
+        }
+    }
+
+    /// Approximate error scale of the method from the release: its error as one of the release.
+    pub(crate) fn error_scale(self) -> f64 {
+        match self {
+            Method::Rk4 { .. } => 1e-3,
+            Method::Embedded { pair, tolerance } => pair.data().error_scale * tolerance,
+            Method::Taylor { tolerance } => 0.5 * tolerance,
+            Method::Extrapolation { tolerance } => 0.1 * tolerance,
+        }
+    }
+
+    /// Approximate error of the method after a start map, expressed as an error of the state with
+    /// which it begins. That of Taylor expansions is below the map's own error in all leaves that are
+    /// followed, so that no verdict depends on it.
+    pub(crate) fn error_scale_after_map(self) -> f64 {
+        match self {
+            Method::Rk4 { .. } => 1e-3,
+            Method::Embedded { pair, tolerance } => pair.data().error_scale_after_map * tolerance,
+            Method::Taylor { tolerance } | Method::Extrapolation { tolerance } => tolerance,
+        }
+    }
+
+    /// Number of the method's colour in charts.
+    pub fn colour(self) -> usize {
+        match self {
+            Method::Rk4 { .. } => 0,
+            Method::Embedded { pair, .. } => pair.data().colour,
+            Method::Taylor { .. } => 3,
+            Method::Extrapolation { .. } => 4,
         }
     }
 
@@ -99,17 +217,35 @@ impl Method {
     /// not go together.
     pub(crate) fn least_tolerance(self, precision: Precision) -> Option<f64> {
         match (self, precision) {
-            (Method::Rk4 { .. } | Method::Dopri5 { .. } | Method::Dop853 { .. }, Precision::Dd)
-            | (Method::Taylor { .. }, Precision::F32 | Precision::Df32) => None,
-            (Method::Extrapolation { .. }, precision) => {
-                (precision == Precision::Dd).then_some(1e-27)
+            (Method::Rk4 { .. }, Precision::F32 | Precision::F64) => Some(0.0),
+            (Method::Rk4 { .. }, Precision::Df32 | Precision::Dd)
+            | (Method::Embedded { .. }, Precision::Dd)
+            | (Method::Taylor { .. }, Precision::F32 | Precision::Df32)
+            | (Method::Extrapolation { .. }, Precision::F32 | Precision::Df32 | Precision::F64) => {
+                None
             }
-            (Method::Rk4 { .. }, _) => (precision != Precision::Df32).then_some(0.0),
-            (_, Precision::F32) => Some(1e-8),
-            (_, Precision::Df32) => Some(1e-13),
-            (_, Precision::F64) => Some(1e-15),
-            (_, Precision::Dd) => Some(1e-28),
+            (Method::Embedded { .. }, Precision::F32) => Some(1e-8),
+            (Method::Embedded { .. }, Precision::Df32) => Some(1e-13),
+            (Method::Embedded { .. } | Method::Taylor { .. }, Precision::F64) => Some(1e-15),
+            (Method::Taylor { .. }, Precision::Dd) => Some(1e-28),
+            (Method::Extrapolation { .. }, Precision::Dd) => Some(1e-27),
         }
+    }
+}
+
+/// Prints each method under its own name. The digests of shards contain this text, so that samples
+/// computed earlier stay valid.
+impl fmt::Debug for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (name, setting, value) = match *self {
+            Method::Rk4 { step_secs } => ("Rk4".to_string(), "step_secs", step_secs),
+            Method::Embedded { pair, tolerance } => (format!("{pair:?}"), "tolerance", tolerance),
+            Method::Taylor { tolerance } => ("Taylor".to_string(), "tolerance", tolerance),
+            Method::Extrapolation { tolerance } => {
+                ("Extrapolation".to_string(), "tolerance", tolerance)
+            }
+        };
+        f.debug_struct(&name).field(setting, &value).finish()
     }
 }
 
@@ -130,13 +266,13 @@ impl IntegratorConfig {
     /// where the cells end. Adaptive methods benefit from cells early; fixed steps run from the
     /// release as long as their number type can tell the starts apart.
     pub(crate) fn deep_below(&self) -> f64 {
-        match (self.method, self.precision) {
-            (_, Precision::Dd) => 1e-22,
-            (Method::Rk4 { .. }, Precision::F32) => 1e-6,
-            (Method::Rk4 { .. }, _) => 1e-13,
+        match (self.precision, self.method.step_secs()) {
+            (Precision::Dd, _) => 1e-22,
+            (Precision::F32, Some(_)) => 1e-6,
+            (Precision::Df32 | Precision::F64, Some(_)) => 1e-13,
             // Starts rounded to 1e-7 are soon far from where they should be.
-            (_, Precision::F32) => 5e-4,
-            _ => DEEP_BELOW,
+            (Precision::F32, None) => 5e-4,
+            (Precision::Df32 | Precision::F64, None) => DEEP_BELOW,
         }
     }
 }
@@ -203,5 +339,30 @@ mod tests {
     fn settings_read_well() {
         assert_eq!(Method::LESSON.setting(), "step 1/120");
         assert_eq!(Method::Rk4 { step_secs: 0.3 }.setting(), "step 0.3");
+    }
+
+    #[test]
+    fn methods_are_printed_as_the_digests_of_earlier_shards_have_them() {
+        let printed = |method: Method| format!("{method:?}");
+        assert_eq!(printed(Method::dop853(3e-13)), "Dop853 { tolerance: 3e-13 }");
+        assert_eq!(printed(Method::dopri5(5e-8)), "Dopri5 { tolerance: 5e-8 }");
+        assert_eq!(printed(Method::Taylor { tolerance: 1e-15 }), "Taylor { tolerance: 1e-15 }");
+        assert_eq!(printed(Method::Rk4 { step_secs: 0.01 }), "Rk4 { step_secs: 0.01 }");
+    }
+
+    #[test]
+    fn every_method_has_a_setting_and_a_home() {
+        for name in Method::names() {
+            let precision = Method::home_precision(name);
+            let method = Method::named(name, precision).unwrap();
+            assert_eq!(method.name(), name);
+            assert!(method.least_tolerance(precision).is_some());
+        }
+        for (_, precision) in Precision::ALL {
+            let method = Method::named(Method::home_method(precision), precision).unwrap();
+            let least = method.least_tolerance(precision).unwrap();
+            assert!(method.tolerance().unwrap() >= least, "{precision}");
+        }
+        assert_eq!(Method::named("euler", Precision::F32), None);
     }
 }

@@ -4,7 +4,6 @@ use super::method::COLUMNS;
 use super::{EngineError, EventSpec, IntegratorConfig, Method, Precision};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::control::Control;
-use flipmap_pendulum::embedded::{DOP853_ORDER, DOPRI5_ORDER};
 use flipmap_pendulum::{Outcome, Status, extrapolation, series};
 
 /// The steps of a job: all of one length, or adaptive.
@@ -26,8 +25,7 @@ impl Pace {
             Method::Rk4 { step_secs } => {
                 Steps::new(question, step_secs, config.precision).map(Pace::Fixed)
             }
-            Method::Dopri5 { tolerance } => adaptive(tolerance, DOPRI5_ORDER),
-            Method::Dop853 { tolerance } => adaptive(tolerance, DOP853_ORDER),
+            Method::Embedded { pair, tolerance } => adaptive(tolerance, pair.data().order),
             Method::Taylor { tolerance } => adaptive(tolerance, series::ORDER_F64 as u32),
             Method::Extrapolation { tolerance } => {
                 let control = Control::new(tolerance, extrapolation::order(COLUMNS)).steady();
@@ -39,13 +37,11 @@ impl Pace {
     /// Gives Taylor steps the same tolerance at all times, with an error that falls with `order`;
     /// leaves the pace of other methods unchanged.
     pub(super) fn steady(self, method: Method, order: u32) -> Self {
-        match (self, method) {
-            (Pace::Adaptive(adaptive), Method::Taylor { tolerance }) => {
-                let control = Control::new(tolerance, order).steady();
-                Pace::Adaptive(Adaptive { control, ..adaptive })
-            }
-            (pace, _) => pace,
+        if let (Pace::Adaptive(adaptive), Method::Taylor { tolerance }) = (self, method) {
+            let control = Control::new(tolerance, order).steady();
+            return Pace::Adaptive(Adaptive { control, ..adaptive });
         }
+        self
     }
 
     /// Approximate number of steps of a pendulum that does not flip.

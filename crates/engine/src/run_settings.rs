@@ -58,10 +58,7 @@ fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), SceneError
         return Ok((IntegrationSetting::Accuracy(accuracy), run));
     }
     let config = config(&words, accuracy)?;
-    let step = match config.method {
-        Method::Rk4 { .. } => Some(words.step.unwrap_or("1/120".to_string())),
-        _ => None,
-    };
+    let step = config.method.step_secs().map(|_| words.step.unwrap_or("1/120".to_string()));
     let run = RunTable {
         size,
         accuracy: None,
@@ -77,11 +74,8 @@ fn resolve(words: RunTable) -> Result<(IntegrationSetting, RunTable), SceneError
 
 /// The words that resolve to exactly this configuration.
 pub fn from_config(config: IntegratorConfig) -> RunTable {
-    let step = match config.method {
-        // The shortest number that reads back as the same value.
-        Method::Rk4 { step_secs } => Some(format!("{step_secs:?}")),
-        _ => None,
-    };
+    // The shortest number that reads back as the same value.
+    let step = config.method.step_secs().map(|step_secs| format!("{step_secs:?}"));
     RunTable {
         method: Some(config.method.name().to_string()),
         step,
@@ -109,7 +103,7 @@ fn config(words: &RunTable, accuracy: Accuracy) -> Result<IntegratorConfig, Scen
         (None, None) => Method::home_method(precision),
     };
     let Some(mut method) = Method::named(name, precision) else {
-        let allowed = not_among("methods", &Method::NAMES, name);
+        let allowed = not_among("methods", &Method::names(), name);
         return Err(SceneError::new("method", format!("'{name}'"), allowed));
     };
     let Some(least) = method.least_tolerance(precision) else {
@@ -132,10 +126,10 @@ const STEPS_SECS: RangeInclusive<f64> = 1e-9..=1.0;
 
 fn with_step(method: Method, step: &str) -> Result<Method, SceneError> {
     let refuse = |allowed: String| SceneError::new("step", format!("'{step}'"), allowed);
-    let Method::Rk4 { .. } = method else {
+    if method.step_secs().is_none() {
         let name = method.name();
         return Err(refuse(format!("it is for rk4; {name} chooses its steps by a tolerance")));
-    };
+    }
     let step_secs = match step.split_once('/') {
         Some((above, below)) => {
             number(above).zip(number(below)).map(|(above, below)| above / below)
@@ -168,9 +162,9 @@ fn with_tolerance(
         )
     };
     let Some(tolerant) = number(text).and_then(|tolerance| method.with_tolerance(tolerance)) else {
-        return Err(refuse(match method {
-            Method::Rk4 { .. } => "it is for methods that choose their steps; rk4 takes a step",
-            _ => "it must be a number",
+        return Err(refuse(match method.step_secs() {
+            Some(_) => "it is for methods that choose their steps; rk4 takes a step",
+            None => "it must be a number",
         }));
     };
     let within = |tolerance: f64| (least..=MAX_TOLERANCE).contains(&tolerance);

@@ -17,7 +17,7 @@ use super::{
 };
 use flipmap_numbers::dual::Dual;
 use flipmap_numbers::{Dd, Scalar};
-use flipmap_pendulum::embedded::{dop853, plus};
+use flipmap_pendulum::embedded::{Dop853, EmbeddedPair, plus};
 use flipmap_pendulum::first_moments::FirstMoments;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
@@ -63,7 +63,7 @@ pub(crate) fn places(
 /// The state of a pendulum released from rest at `angle` (rad, within (−π, π]).
 fn at_rest(config: &IntegratorConfig, angle: [Dd; 2]) -> IntegratorState {
     let mut numbers = [0.0; NUMBERS];
-    if let Method::Rk4 { .. } = config.method {
+    if config.method.step_secs().is_some() {
         for i in 0..2 {
             [numbers[i], numbers[4 + i]] = parts(angle[i], config.precision);
         }
@@ -85,7 +85,7 @@ fn thrown(
 ) -> IntegratorState {
     let mut state = at_rest(config, launch.angle);
     let speed = launch.speed.map(|speed| speed * *unit_secs);
-    if let Method::Rk4 { .. } = config.method {
+    if config.method.step_secs().is_some() {
         [state.numbers[2], state.numbers[3]] = speed.map(Dd::to_f64);
         return state;
     }
@@ -103,7 +103,7 @@ fn thrown(
 /// launch, with angles on the pendulum's side of the top.
 fn beside_top(job: &Job, reduced: &(Pendulum<Dd>, Dd), moments: &FirstMoments) -> IntegratorState {
     let config = &job.config;
-    if let Method::Rk4 { .. } = config.method {
+    if config.method.step_secs().is_some() {
         return thrown(config, reduced, &moments.launch(reduced.1));
     }
     let phase = match config.precision {
@@ -126,14 +126,15 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     let carries = |state: &IntegratorState| match (job.keep.ends, state.carried.as_deref()) {
         (WantedEnds::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
         (WantedEnds::Return, carried) => matches!(carried, Some(Carried::Return { .. })),
-        _ => true,
+        (WantedEnds::None | WantedEnds::Plain, _) => true,
     };
     let is_possible = match &job.starts {
         Starts::Rest(_) | Starts::Upright(_) | Starts::Thrown(_) | Starts::Mixed { .. } => true,
         Starts::Resumed { states, .. } => states.iter().all(carries),
         Starts::Moving(moving) => match job.keep.ends {
             WantedEnds::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
-            ends => !ends.are_carried(),
+            WantedEnds::Return => false,
+            WantedEnds::None | WantedEnds::Plain => true,
         },
         Starts::Deep(_) => job.keep.ends != WantedEnds::Return,
     };
@@ -161,9 +162,9 @@ pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     }
     let pace = Pace::new(&job.question, &job.config)?;
     let begun = |state: IntegratorState| match (&state.carried, job.keep.ends) {
-        (Some(_), _) => state,
+        (Some(_), _) | (None, WantedEnds::None | WantedEnds::Plain) => state,
         (None, WantedEnds::Growth) => with_tangents(&reduced, (&job.config, &pace), &state),
-        (None, _) => with_start(&reduced, &pace, state),
+        (None, WantedEnds::Return) => with_start(&reduced, &pace, state),
     };
     Ok(states.into_iter().map(begun).collect())
 }
@@ -282,7 +283,7 @@ fn on_its_way(
             let count = (moving.time[0] / steps.length).floor();
             let back = count * steps.length - moving.time[0] - moving.time[1];
             let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
-            let trial = dop853(&reduced, scale, &moving.phase, back);
+            let trial = Dop853::trial(&reduced, scale, &moving.phase, back);
             let phase = plus(&moving.phase, &trial.change);
             for i in 0..2 {
                 let angle = phase[2 * i + 1].atan2(phase[2 * i]);
@@ -350,9 +351,9 @@ pub(crate) fn end(
     let change = match config.method {
         // Taylor steps are too long for any other method.
         Method::Taylor { .. } => Expansion::expand(reduced, &begin).change(time - from),
-        _ => {
+        Method::Rk4 { .. } | Method::Embedded { .. } | Method::Extrapolation { .. } => {
             let scale = reduced.momentum_scale().map(|scale| 1.0 / scale);
-            dop853(reduced, scale, &begin, time - from).change
+            Dop853::trial(reduced, scale, &begin, time - from).change
         }
     };
     let gathered = Accumulators { turns, ..counts };

@@ -4,7 +4,7 @@
 //! do, stays far below them; its tangents need no more than f64. As growth proceeds, digits are
 //! dropped.
 
-use crate::embedded::{dop853, dop853_factor, plus};
+use crate::embedded::{Dop853, EmbeddedPair, dop853_factor, plus};
 use crate::phase::Phase;
 use crate::reference::{Reference, reference};
 use crate::{Pendulum, State};
@@ -95,7 +95,7 @@ impl TangentMotion {
         let scale = self.inverse_scale.map(Dual::new);
         let mut length = self.step.min(MAX_STEP).min(self.reference.reach());
         loop {
-            let trial = dop853(&self.dynamics, scale, &self.state, Dual::new(length));
+            let trial = Dop853::trial(&self.dynamics, scale, &self.state, Dual::new(length));
             let error = trial.error_squared.value.sqrt();
             let factor = dop853_factor(error, TOLERANCE);
             // A step cut short by the reference says little about the next one.

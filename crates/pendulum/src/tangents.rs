@@ -174,6 +174,7 @@ const SWEEPS: u32 = 8;
 mod tests {
     use super::*;
     use crate::State;
+    use crate::embedded::{Pair, plus};
     use crate::transport::transported;
 
     #[test]
@@ -224,8 +225,8 @@ mod tests {
         let mut state = released(&pendulum, &pendulum.phase(&start));
         for _ in 0..40 {
             let step = Dual::new(0.05);
-            let trial = crate::embedded::dop853(&dual, scale, &state, step);
-            state = crate::embedded::plus(&state, &trial.change);
+            let trial = Pair::Dop853.trial(&dual, scale, &state, step);
+            state = plus(&state, &trial.change);
         }
         for k in 0..4 {
             let ends = [-1e-6, 1e-6].map(|by| {

@@ -1,7 +1,7 @@
 //! Transport of states to another time, by short steps of high order.
 
 use crate::Pendulum;
-use crate::embedded::{dop853, dop853_factor, plus};
+use crate::embedded::{Dop853, EmbeddedPair, dop853_factor, plus};
 use crate::phase::Phase;
 use flipmap_numbers::Real;
 
@@ -31,7 +31,8 @@ pub fn transported_as<T: Real>(
     let (mut phase, mut left, mut step) = (*phase, by.abs(), FIRST_STEP);
     while left > 0.0 {
         let length = left.min(step);
-        let trial = dop853(pendulum, inverse_scale, &phase, phase[0].lit(length.copysign(by)));
+        let trial =
+            Dop853::trial(pendulum, inverse_scale, &phase, phase[0].lit(length.copysign(by)));
         let error = value(trial.error_squared).sqrt();
         if error <= STEP_TOLERANCE {
             phase = plus(&phase, &trial.change);

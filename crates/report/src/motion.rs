@@ -11,7 +11,7 @@ use flipmap_engine::{IntegratorConfig, Method, Precision};
 use flipmap_numbers::trig::Turning;
 use flipmap_numbers::{Angle, Dd, Scalar};
 use flipmap_pendulum::control::{Control, FIRST, MAX_STEP};
-use flipmap_pendulum::embedded::{Trial, dop853, dopri5};
+use flipmap_pendulum::embedded::Pair;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};
@@ -144,12 +144,8 @@ fn moments<T: Scalar>(
             let (_, unit_secs) = Scene::default().build.pendulum().reduced();
             fixed(&pendulum, state, step_secs / unit_secs, times)
         }
-        Method::Dopri5 { tolerance } => {
-            let pair = ControlledPair { trial: dopri5::<T>, control: Control::new(tolerance, 5) };
-            free(&pendulum, exact, &state, times, &mut pair.stepper(&pendulum))
-        }
-        Method::Dop853 { tolerance } => {
-            let pair = ControlledPair { trial: dop853::<T>, control: Control::new(tolerance, 8) };
+        Method::Embedded { pair, tolerance } => {
+            let pair = ControlledPair { pair, control: Control::new(tolerance, pair.data().order) };
             free(&pendulum, exact, &state, times, &mut pair.stepper(&pendulum))
         }
         Method::Taylor { tolerance } => {
@@ -221,23 +217,23 @@ fn angles(pendulum: &Pendulum<f64>, phase: &Phase<f64>) -> State<f64> {
     State { angle: [y1.atan2(x1), y2.atan2(x2)], speed: pendulum.speeds(phase) }
 }
 
-/// A trial step of an embedded pair.
-type Trying<T> = fn(&Pendulum<T>, [T; 2], &Phase<T>, T) -> Trial<T>;
-
 /// An embedded pair with its step size control.
-struct ControlledPair<T> {
-    trial: Trying<T>,
+struct ControlledPair {
+    pair: Pair,
     control: Control,
 }
 
-impl<T: Scalar> ControlledPair<T> {
+impl ControlledPair {
     /// A stepper that retries each step until its error is small enough.
-    fn stepper(&self, pendulum: &Pendulum<T>) -> impl FnMut(&Phase<T>, f64) -> (T, Phase<T>) {
+    fn stepper<T: Scalar>(
+        &self,
+        pendulum: &Pendulum<T>,
+    ) -> impl FnMut(&Phase<T>, f64) -> (T, Phase<T>) {
         let scale = pendulum.momentum_scale().map(|scale| T::from_f64(1.0) / scale);
         let mut step = FIRST;
         move |phase, time| loop {
             let length = T::from_f64(step);
-            let trial = (self.trial)(pendulum, scale, phase, length);
+            let trial = self.pair.trial(pendulum, scale, phase, length);
             let error = trial.error_squared.to_f64().max(f64::MIN_POSITIVE);
             let excess = error.log2() - self.control.limit(time);
             step = (step * self.control.factor(excess)).min(MAX_STEP);

@@ -64,8 +64,8 @@ impl Thoroughness {
 /// Every config that is requested from an engine. Those that share a kernel are adjacent.
 pub(crate) fn configs(quick: bool) -> Vec<IntegratorConfig> {
     let rk4 = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
-    let dopri5 = |tolerance| Method::Dopri5 { tolerance };
-    let dop853 = |tolerance| Method::Dop853 { tolerance };
+    let dopri5 = |tolerance| Method::dopri5(tolerance);
+    let dop853 = |tolerance| Method::dop853(tolerance);
     let taylor = |tolerance| Method::Taylor { tolerance };
     let of =
         |precision, method: &dyn Fn(f64) -> Method, settings: &[f64]| -> Vec<IntegratorConfig> {
@@ -115,12 +115,12 @@ pub(crate) fn questions(quick: bool) -> Vec<IntegratorConfig> {
     }
     let in_f64 = |method| IntegratorConfig { method, precision: Precision::F64 };
     let finer = [
-        Method::Dop853 { tolerance: 1e-8 },
-        Method::Dop853 { tolerance: 1e-10 },
+        Method::dop853(1e-8),
+        Method::dop853(1e-10),
         BALANCED.method,
         Method::Taylor { tolerance: 1e-15 },
     ];
-    let coarser = Method::Dopri5 { tolerance: 1e-5 };
+    let coarser = Method::dopri5(1e-5);
     let coarser = IntegratorConfig { method: coarser, precision: Precision::F32 };
     [LESSON, coarser, FAST].into_iter().chain(finer.map(in_f64)).collect()
 }
@@ -130,12 +130,12 @@ pub(crate) fn motions() -> Vec<IntegratorConfig> {
     let step = |per_second: f64| Method::Rk4 { step_secs: 1.0 / per_second };
     let mut configs = Vec::new();
     for precision in [Precision::F32, Precision::F64] {
-        let methods = [step(120.0), step(480.0), FAST.method, Method::Dop853 { tolerance: 1e-7 }];
+        let methods = [step(120.0), step(480.0), FAST.method, Method::dop853(1e-7)];
         configs.extend(methods.map(|method| IntegratorConfig { method, precision }));
     }
     let finer = [
-        Method::Dopri5 { tolerance: 1e-9 },
-        Method::Dop853 { tolerance: 1e-10 },
+        Method::dopri5(1e-9),
+        Method::dop853(1e-10),
         BALANCED.method,
         Method::Taylor { tolerance: 1e-15 },
     ];

@@ -75,7 +75,7 @@ fn gathered(
         passes: [count(1, true), count(1, false), count(2, true), count(2, false)],
         nearest: match needs {
             Needs::Return => nearest(scene, start, secs),
-            _ => Accumulators::NONE.nearest,
+            Needs::Outcome | Needs::End | Needs::Growth => Accumulators::NONE.nearest,
         },
         log_growth: if needs == Needs::Growth { log_growth(scene, start, secs) } else { 0.0 },
     }

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE, lane_of};
 use super::lanes::{Lanes, MAX_LANES};
 use super::number::{Number, load_phase, store_phase};
-use super::pair::{EmbeddedPair, LaneStep, TopTest};
+use super::pair::{LaneStep, clearance};
 use super::slowed::finish_slowed;
 use super::stretch::{Stretch, StretchEnd, vectorized};
 use super::{step_control, turns};
@@ -16,12 +16,13 @@ use crate::{FinalState, NUMBERS};
 use flipmap_numbers::{Dd, Real};
 use flipmap_pendulum::control::MAX_STEP;
 use flipmap_pendulum::crossing::{FAR, StepState, beyond_top, height_beyond};
+use flipmap_pendulum::embedded::EmbeddedPair;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Outcome, Pendulum, Status};
 
 /// Runs a chunk in lanes of `N`.
 #[inline(never)]
-pub(super) fn run<N: Number, P: TopTest>(
+pub(super) fn run<N: Number, P: EmbeddedPair>(
     set: <N::Leading as Lanes>::Set,
     chunk: &Chunk,
     adaptive: Adaptive,
@@ -83,7 +84,7 @@ impl SuspectStep {
         SuspectStep { before: [[0.0; MAX_LANES]; NUMBERS], clearance: [FAR; MAX_LANES] };
 }
 
-impl<N: Number, P: TopTest> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P> {
+impl<N: Number, P: EmbeddedPair> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P> {
     type Output = StretchEnd;
 
     #[inline(always)]
@@ -99,8 +100,7 @@ impl<N: Number, P: TopTest> Stretch<N::Leading> for AdaptiveStretch<'_, '_, N, P
         let (zero, budget) = (state.time.lit(0.0), state.time.lit(adaptive.budget));
         let mut taken = 0;
         loop {
-            let trial =
-                P::Pair::trial(&pendulum, inverse_scale, &state.phase, N::exactly(state.step));
+            let trial = P::trial(&pendulum, inverse_scale, &state.phase, N::exactly(state.step));
             let next = N::changed(&state.phase, &trial.change);
             let error_squared = trial.error_squared.leading();
             let excess = step_control::excess(&adaptive.control, state.time, error_squared);
@@ -183,7 +183,7 @@ impl<N: Number> LaneState<N> {
     /// Distance from the top that the watched bobs keep in the step to `next`; not positive in
     /// lanes where one may have crossed it.
     #[inline(always)]
-    fn clearance<P: TopTest>(
+    fn clearance<P: EmbeddedPair>(
         &self,
         watches: [bool; 2],
         pendulum: &Pendulum<N>,
@@ -205,7 +205,7 @@ impl<N: Number> LaneState<N> {
     /// Distance from the top that a bob keeps in the step to `next`; `speeds` are those of both
     /// ends.
     #[inline(always)]
-    fn clearance_of<P: TopTest>(
+    fn clearance_of<P: EmbeddedPair>(
         &self,
         bob: usize,
         speeds: &[[N; 2]; 2],
@@ -216,7 +216,7 @@ impl<N: Number> LaneState<N> {
         let ([x0, y0], [x1, y1]) = (part(&self.phase), part(next));
         let rise = [speeds[0][bob].leading() * x0, speeds[1][bob].leading() * x1];
         let rise = rise.map(|rise| rise * self.step);
-        let clearance = P::clearance([y0, y1], rise, bow[bob].leading());
+        let clearance = clearance::<_, P>([y0, y1], rise, bow[bob].leading());
         // Below its pivot a bob is far from the top.
         Lanes::select(clearance, x0.min(x1), self.time.lit(FAR))
     }
@@ -246,7 +246,7 @@ struct AdaptiveLanes<'a> {
 impl AdaptiveLanes<'_> {
     /// Decides a step in which some lane's bob may have been at the top: looks for the crossing,
     /// and finishes the pendulums that made it.
-    fn decide<P: TopTest>(&mut self, step: &SuspectStep) {
+    fn decide<P: EmbeddedPair>(&mut self, step: &SuspectStep) {
         for lane in self.scheduler.running() {
             let numbers = lane_of(&step.before, lane);
             let moved = self.scheduler.rows[TIME][lane] != numbers[TIME]
@@ -261,7 +261,7 @@ impl AdaptiveLanes<'_> {
     }
 
     /// Looks for passes of the top, one after another, in the step that a lane took from `numbers`.
-    fn look<P: TopTest>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) {
+    fn look<P: EmbeddedPair>(&mut self, lane: usize, numbers: &[f64; NUMBERS]) {
         let moment = |numbers: &[f64; NUMBERS]| {
             let phase = start::phase_of(numbers);
             StepState { phase, speed: self.reduced.speeds(&phase) }
@@ -278,7 +278,7 @@ impl AdaptiveLanes<'_> {
         while let Some((bob, fraction)) = first_pass::<P>(&mut self.scheduler, lane, &step) {
             let time = numbers[TIME] + (numbers[TIME_LOW] + (begun + step.length * fraction));
             let outcome = self.adaptive.outcome_of_pass(time);
-            let top = || step.shortened::<P::Pair>(fraction);
+            let top = || step.shortened::<P>(fraction);
             let from = step.before.phase[2 * bob + 1];
             let anticlockwise = if from == 0.0 { top().speed[bob] > 0.0 } else { from > 0.0 };
             let over = outcome.status == Status::Unflipped;
@@ -304,7 +304,7 @@ impl AdaptiveLanes<'_> {
 
 /// Returns the bob that first passes the top in a step, and the fraction of the step at which it
 /// passes.
-fn first_pass<P: TopTest>(
+fn first_pass<P: EmbeddedPair>(
     scheduler: &mut LaneScheduler,
     lane: usize,
     step: &LaneStep,
@@ -313,7 +313,7 @@ fn first_pass<P: TopTest>(
     scheduler.answer.effort.rhs_evaluations += config.method.rhs_per_step(config.precision);
     let mut first: Option<(usize, f64)> = None;
     for &bob in scheduler.chunk.question.rule.watched() {
-        let passed = P::look(step, bob);
+        let passed = step.look::<P>(bob);
         scheduler.clearance[lane] = scheduler.clearance[lane].min(passed.clearance);
         let earlier = |fraction: &f64| first.is_none_or(|(_, before)| *fraction < before);
         if let Some(fraction) = passed.fraction.filter(earlier) {

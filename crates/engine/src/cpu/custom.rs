@@ -7,7 +7,6 @@ use rayon::prelude::*;
 
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::lanes::F64Lanes;
-use super::pair::{EmbeddedPair, OnCubic};
 use super::{CHUNK, adaptive};
 use crate::pace::{Adaptive, Pace};
 use crate::{
@@ -16,6 +15,7 @@ use crate::{
 use flipmap_numbers::Dd;
 use flipmap_pendulum::Outcome;
 use flipmap_pendulum::control::Control;
+use flipmap_pendulum::embedded::EmbeddedPair;
 
 /// Integrates pendulums from rest at `angles` (rad) by a pair defined outside this crate, in f64 on
 /// the widest lanes of the processor and on all of its threads, with an error of `tolerance`
@@ -27,8 +27,7 @@ pub fn outcomes<P: EmbeddedPair>(
     angles: &[[Dd; 2]],
 ) -> Result<Vec<Outcome>, EngineError> {
     // A pendulum at rest begins in the same state whatever the adaptive method.
-    let config =
-        IntegratorConfig { method: Method::Dop853 { tolerance }, precision: Precision::F64 };
+    let config = IntegratorConfig { method: Method::dop853(tolerance), precision: Precision::F64 };
     let starts = Starts::Rest(angles.to_vec());
     let job = Job { id: 0, question: *question, config, starts, keep: Keep::NOTHING };
     let states = start::states(&job)?;
@@ -56,6 +55,6 @@ impl<P: EmbeddedPair> WithSimd for OnLanes<'_, P> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
-        adaptive::run::<F64Lanes<S>, OnCubic<P>>(set, self.chunk, self.adaptive)
+        adaptive::run::<F64Lanes<S>, P>(set, self.chunk, self.adaptive)
     }
 }

@@ -2,13 +2,13 @@
 
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::one_by_one::{self, WalkProgress, Walker, dynamics, phase_in};
-use super::pair::EmbeddedPair;
 use crate::pace::Pace;
 use crate::start::{STEP, TIME, end_with_growth};
 use crate::{Carried, FinalState, IntegratorState, NUMBERS, Precision};
 use flipmap_numbers::Scalar;
 use flipmap_numbers::dual::Dual;
 use flipmap_pendulum::Pendulum;
+use flipmap_pendulum::embedded::EmbeddedPair;
 use flipmap_pendulum::tangents::{LARGE, Tangents};
 use std::marker::PhantomData;
 

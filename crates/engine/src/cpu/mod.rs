@@ -6,6 +6,7 @@
 
 mod adaptive;
 mod custom;
+mod dispatch;
 mod fixed;
 mod growing;
 mod lane_scheduler;
@@ -23,29 +24,21 @@ mod taylor_pair;
 mod turns;
 
 pub use custom::outcomes;
-pub use pair::{Dop853, Dopri5, EmbeddedPair};
 
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
+use self::dispatch::ChunkInFlight;
 use self::lane_scheduler::{Chunk, ChunkResult};
-use self::lanes::{F32Lanes, F64Lanes};
-use self::number::{Compensated, Two};
-use self::pair::{Midpoints, OnCubic, OnQuartic};
-use self::taylor_pair::TaylorPair;
-use super::pace::{Adaptive, Pace, Steps};
 use super::threads::thread_pool;
 use super::{
-    Engine, EngineError, EngineKind, FinalState, IntegratorConfig, Job, JobResult, Keep, Method,
-    Precision, Wait, WantedEnds, start,
+    Engine, EngineError, EngineKind, FinalState, IntegratorConfig, Job, JobResult, Keep, Precision,
+    Wait, WantedEnds, start,
 };
-use flipmap_numbers::Dd;
-use flipmap_numbers::trig::Turning;
-use flipmap_pendulum::series::{ORDER_DD, ORDER_F64};
 use flipmap_pendulum::{Outcome, Status};
 
 /// Number of starts in a chunk: enough to keep lanes full, few enough to share out evenly.
@@ -240,119 +233,5 @@ pub fn instruction_set() -> &'static str {
         #[cfg(target_arch = "x86_64")]
         Arch::V3(_) => "AVX2",
         _ => "no SIMD beyond the baseline",
-    }
-}
-
-/// A chunk to be run in the widest lanes.
-struct ChunkInFlight<'a> {
-    chunk: &'a Chunk<'a>,
-}
-
-impl WithSimd for ChunkInFlight<'_> {
-    type Output = Option<ChunkResult>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, set: S) -> Self::Output {
-        match self.chunk.keep.ends {
-            ends if ends.are_carried() && self.is_taylor() => return self.in_taylor_steps(),
-            WantedEnds::Growth => return self.growth(set),
-            WantedEnds::Return => return self.nearest(),
-            _ => {}
-        }
-        match self.chunk.pace {
-            Pace::Fixed(steps) => self.fixed(set, steps),
-            Pace::Adaptive(pace) => self.adaptive(set, pace),
-        }
-    }
-}
-
-impl ChunkInFlight<'_> {
-    #[inline(always)]
-    fn fixed<S: Simd>(self, set: S, steps: Steps) -> Option<ChunkResult> {
-        let Chunk { question, config, .. } = *self.chunk;
-        macro_rules! lanes {
-            ($lanes:ident) => {
-                match steps.turning(question, config.precision) {
-                    Turning::Small(2) => fixed::run::<$lanes<S>, 2>(set, self.chunk, steps),
-                    Turning::Small(4) => fixed::run::<$lanes<S>, 4>(set, self.chunk, steps),
-                    Turning::Small(6) => fixed::run::<$lanes<S>, 6>(set, self.chunk, steps),
-                    _ => fixed::run::<$lanes<S>, 0>(set, self.chunk, steps),
-                }
-            };
-        }
-        match config.precision {
-            Precision::F32 => lanes!(F32Lanes),
-            _ => lanes!(F64Lanes),
-        }
-    }
-
-    fn is_taylor(&self) -> bool {
-        matches!(self.chunk.config.method, Method::Taylor { .. })
-    }
-
-    /// Computes growth or returns in Taylor steps of the same tolerance at all times.
-    fn in_taylor_steps(self) -> Option<ChunkResult> {
-        const N: usize = ORDER_F64 + 1;
-        const M: usize = ORDER_DD + 1;
-        let is_dd = self.chunk.config.precision == Precision::Dd;
-        let order = if is_dd { TaylorPair::<M>::ORDER } else { TaylorPair::<N>::ORDER };
-        let pace = self.chunk.pace.steady(self.chunk.config.method, order);
-        let chunk = Chunk { pace, ..*self.chunk };
-        match (chunk.keep.ends, is_dd) {
-            (WantedEnds::Growth, false) => growing::run::<f64, TaylorPair<N>>(&chunk),
-            (WantedEnds::Growth, true) => growing::run::<Dd, TaylorPair<M>>(&chunk),
-            (_, false) => nearest::run::<f64, TaylorPair<N>>(&chunk),
-            (_, true) => nearest::run::<Dd, TaylorPair<M>>(&chunk),
-        }
-    }
-
-    fn nearest(self) -> Option<ChunkResult> {
-        let IntegratorConfig { method, precision } = self.chunk.config;
-        match (method, precision) {
-            (Method::Dopri5 { .. }, Precision::F32) => nearest::run::<f32, Dopri5>(self.chunk),
-            (Method::Dopri5 { .. }, _) => nearest::run::<f64, Dopri5>(self.chunk),
-            (_, Precision::F32) => nearest::run::<f32, Dop853>(self.chunk),
-            _ => nearest::run::<f64, Dop853>(self.chunk),
-        }
-    }
-
-    #[inline(always)]
-    fn growth<S: Simd>(self, set: S) -> Option<ChunkResult> {
-        match (self.chunk.config.method, self.chunk.config.precision) {
-            (Method::Dopri5 { .. }, Precision::F32) => {
-                tangents::run::<F32Lanes<S>, Dopri5>(set, self.chunk)
-            }
-            (Method::Dopri5 { .. }, _) => tangents::run::<F64Lanes<S>, Dopri5>(set, self.chunk),
-            (Method::Extrapolation { .. }, _) => {
-                tangents::run::<Two<F64Lanes<S>>, Midpoints>(set, self.chunk)
-            }
-            (_, Precision::F32) => tangents::run::<F32Lanes<S>, Dop853>(set, self.chunk),
-            _ => tangents::run::<F64Lanes<S>, Dop853>(set, self.chunk),
-        }
-    }
-
-    #[inline(always)]
-    fn adaptive<S: Simd>(self, set: S, pace: Adaptive) -> Option<ChunkResult> {
-        let chunk = self.chunk;
-        match (chunk.config.method, chunk.config.precision) {
-            (Method::Dopri5 { .. }, Precision::F32) => {
-                adaptive::run::<Compensated<F32Lanes<S>>, OnQuartic>(set, chunk, pace)
-            }
-            (Method::Dopri5 { .. }, _) => adaptive::run::<F64Lanes<S>, OnQuartic>(set, chunk, pace),
-            (Method::Extrapolation { .. }, _) => {
-                adaptive::run::<Two<F64Lanes<S>>, OnCubic<Midpoints>>(set, chunk, pace)
-            }
-            (Method::Taylor { .. }, Precision::Dd) => {
-                let dd = |hi, lo| Dd { hi, lo };
-                taylor::run::<Two<F64Lanes<S>>, Dd, { ORDER_DD + 1 }>(set, chunk, pace, dd)
-            }
-            (Method::Taylor { .. }, _) => {
-                taylor::run::<F64Lanes<S>, f64, { ORDER_F64 + 1 }>(set, chunk, pace, |high, _| high)
-            }
-            (_, Precision::F32) => {
-                adaptive::run::<Compensated<F32Lanes<S>>, OnCubic<Dop853>>(set, chunk, pace)
-            }
-            _ => adaptive::run::<F64Lanes<S>, OnCubic<Dop853>>(set, chunk, pace),
-        }
     }
 }

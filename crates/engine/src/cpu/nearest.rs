@@ -6,11 +6,11 @@
 
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::one_by_one::{self, WalkProgress, Walker, dynamics, phase_in};
-use super::pair::EmbeddedPair;
 use crate::pace::Pace;
 use crate::start::{STEP, TIME, end_with_return};
 use crate::{Carried, IntegratorState, NUMBERS, Precision};
 use flipmap_numbers::Scalar;
+use flipmap_pendulum::embedded::EmbeddedPair;
 use flipmap_pendulum::phase::{Phase, distance};
 use flipmap_pendulum::{Accumulators, Pendulum};
 use std::marker::PhantomData;

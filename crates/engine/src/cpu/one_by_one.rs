@@ -4,13 +4,12 @@
 use std::sync::atomic::Ordering;
 
 use super::lane_scheduler::{Chunk, ChunkResult};
-use super::pair::EmbeddedPair;
 use crate::pace::Pace;
 use crate::start::phase_of;
 use crate::{FinalState, IntegratorState, NUMBERS, Precision};
 use flipmap_numbers::{Dd, Real, Scalar};
 use flipmap_pendulum::control::MAX_STEP;
-use flipmap_pendulum::embedded::plus;
+use flipmap_pendulum::embedded::{EmbeddedPair, plus};
 use flipmap_pendulum::phase::{Phase, rk4};
 use flipmap_pendulum::{Outcome, Pendulum, Status};
 

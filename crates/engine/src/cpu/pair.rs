@@ -1,7 +1,7 @@
-//! The embedded pairs on lanes, each with a test for crossings of the top. DOPRI5 has its own test
-//! and the other pairs share one, so that methods with different tests can check each other.
+//! The test for crossings of the top in a step of an embedded pair. A pair that provides the motion
+//! inside its steps is tested on that, and the others on the cubic through both ends, so that methods
+//! with different tests can check each other.
 
-use std::marker::PhantomData;
 use std::sync::LazyLock;
 
 use super::lanes::Lanes;
@@ -10,54 +10,36 @@ use flipmap_numbers::polynomial::course;
 use flipmap_numbers::{Dd, Real};
 use flipmap_pendulum::Pendulum;
 use flipmap_pendulum::crossing::{FAR, SLACK, StepCrossing, StepState, within};
-use flipmap_pendulum::embedded::{
-    DOP853_ORDER, DOPRI5_ORDER, Trial, dop853, dopri5, plus, quartic,
-};
+use flipmap_pendulum::embedded::{EmbeddedPair, Trial, plus, quartic};
 use flipmap_pendulum::extrapolation::{self, Weights};
 use flipmap_pendulum::phase::Phase;
 
-/// An embedded pair, generic over the number type: two methods that share their stages, so that
-/// the difference of their results estimates the error.
-pub trait EmbeddedPair {
-    /// The power of the step with which the estimated error falls.
-    const ORDER: u32;
-
-    /// Computes a step that may be taken or not. `inverse_scale` is 1 over the scale of each
-    /// momentum.
-    fn trial<T: Real>(
-        pendulum: &Pendulum<T>,
-        inverse_scale: [T; 2],
-        phase: &Phase<T>,
-        step: T,
-    ) -> Trial<T>;
+/// Returns the distance from the top that a bob keeps over a step of `P`; not positive if the bob may
+/// cross the top. `y` are the bob's sines at both ends, and `rise` their rates of change times the
+/// step.
+#[inline(always)]
+pub(super) fn clearance<L: Lanes, P: EmbeddedPair>(y: [L; 2], rise: [L; 2], bow: L) -> L {
+    if P::HAS_BOW { on_quartic(y, rise, bow) } else { on_cubic(y, rise) }
 }
 
-/// A pair with a test for crossings of the top; by default on the cubic through both ends of a
-/// step.
-pub(super) trait TopTest {
-    /// The pair that takes the steps.
-    type Pair: EmbeddedPair;
+/// The distance by the cubic through both ends (counterpart: `crossing::approach`).
+#[inline(always)]
+fn on_cubic<L: Lanes>([y0, y1]: [L; 2], [rise0, rise1]: [L; 2]) -> L {
+    let third = y0.lit(1.0 / 3.0);
+    let (first, second) = (rise0.mul_add(third, y0), (-rise1).mul_add(third, y1));
+    let chord = (y1 - y0) * third;
+    let bend = (first - y0 - chord).abs().max((y1 - second - chord).abs());
+    let inward = |y: L| Lanes::select(-y, y0, y);
+    let least = inward(first).min(inward(second)).min(inward(y1));
+    least - bend * y0.lit(SLACK)
+}
 
-    /// Returns the distance from the top that a bob keeps over a step; not positive if the bob may
-    /// cross the top. Uses the cubic through the bob's sines at both ends, whose rates of change
-    /// times the step are given. Counterpart of `crossing::approach`.
-    #[inline(always)]
-    fn clearance<L: Lanes>([y0, y1]: [L; 2], [rise0, rise1]: [L; 2], _bow: L) -> L {
-        let third = y0.lit(1.0 / 3.0);
-        let (first, second) = (rise0.mul_add(third, y0), (-rise1).mul_add(third, y1));
-        let chord = (y1 - y0) * third;
-        let bend = (first - y0 - chord).abs().max((y1 - second - chord).abs());
-        let inward = |y: L| Lanes::select(-y, y0, y);
-        let least = inward(first).min(inward(second)).min(inward(y1));
-        least - bend * y0.lit(SLACK)
-    }
-
-    /// Finds out whether and when a bob passes the top in a step of one pendulum, by shorter and
-    /// shorter steps.
-    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
-        let at = |fraction| step.shortened::<Self::Pair>(fraction);
-        within(at, bob, &step.before, &step.after, step.length)
-    }
+/// The distance by the quartic that the pair provides over its step.
+#[inline(always)]
+fn on_quartic<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L {
+    let [y0, y1, y2, y3, y4] = quartic(y, rise, bow);
+    let inward = |y: L| Lanes::select(-y, y0, y);
+    inward(y1).min(inward(y2)).min(inward(y3)).min(inward(y4))
 }
 
 /// One pendulum's step, in f64.
@@ -77,48 +59,20 @@ impl LaneStep<'_> {
         let phase = plus(begin, &trial.change);
         StepState { phase, speed: self.pendulum.speeds(&phase) }
     }
-}
 
-/// Any pair, with crossings found on the cubic through both ends of a step.
-pub(super) struct OnCubic<P>(PhantomData<P>);
-
-impl<P: EmbeddedPair> TopTest for OnCubic<P> {
-    type Pair = P;
-}
-
-/// The pair of Dormand and Prince of orders 5 and 4.
-pub struct Dopri5;
-
-impl EmbeddedPair for Dopri5 {
-    const ORDER: u32 = DOPRI5_ORDER;
-
-    #[inline(always)]
-    fn trial<T: Real>(
-        pendulum: &Pendulum<T>,
-        inverse_scale: [T; 2],
-        phase: &Phase<T>,
-        step: T,
-    ) -> Trial<T> {
-        dopri5(pendulum, inverse_scale, phase, step)
-    }
-}
-
-/// DOPRI5, with crossings found on the quartic that it provides over its step.
-pub(super) struct OnQuartic;
-
-impl TopTest for OnQuartic {
-    type Pair = Dopri5;
-
-    #[inline(always)]
-    fn clearance<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L {
-        let [y0, y1, y2, y3, y4] = quartic(y, rise, bow);
-        let inward = |y: L| Lanes::select(-y, y0, y);
-        inward(y1).min(inward(y2)).min(inward(y3)).min(inward(y4))
+    /// Finds out whether and when a bob passes the top: on the quartic that the pair provides, or by
+    /// shorter and shorter steps.
+    pub(super) fn look<P: EmbeddedPair>(&self, bob: usize) -> StepCrossing<f64> {
+        if P::HAS_BOW {
+            return self.look_on_quartic::<P>(bob);
+        }
+        let at = |fraction| self.shortened::<P>(fraction);
+        within(at, bob, &self.before, &self.after, self.length)
     }
 
-    fn look(step: &LaneStep, bob: usize) -> StepCrossing<f64> {
-        let LaneStep { before, after, length, .. } = step;
-        let trial = dopri5(step.pendulum, step.inverse_scale, &before.phase, *length);
+    fn look_on_quartic<P: EmbeddedPair>(&self, bob: usize) -> StepCrossing<f64> {
+        let LaneStep { before, after, length, .. } = self;
+        let trial = P::trial(self.pendulum, self.inverse_scale, &before.phase, *length);
         let (x, y) = (2 * bob, 2 * bob + 1);
         let rise = |moment: &StepState<f64>| moment.speed[bob] * moment.phase[x] * length;
         let ends = [before.phase[y], after.phase[y]];
@@ -152,23 +106,6 @@ impl EmbeddedPair for Midpoints {
     }
 }
 
-/// The pair of Dormand and Prince of order 8, with error estimates of orders 5 and 3.
-pub struct Dop853;
-
-impl EmbeddedPair for Dop853 {
-    const ORDER: u32 = DOP853_ORDER;
-
-    #[inline(always)]
-    fn trial<T: Real>(
-        pendulum: &Pendulum<T>,
-        inverse_scale: [T; 2],
-        phase: &Phase<T>,
-        step: T,
-    ) -> Trial<T> {
-        dop853(pendulum, inverse_scale, phase, step)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::lanes::F64Lanes;
@@ -194,7 +131,7 @@ mod tests {
             let ys = [before, after].map(|at| lit(at.phase[3]));
             let rises = [rise(&before), rise(&after)].map(lit);
             let mut by_lanes = [0.0];
-            OnCubic::<Dop853>::clearance(ys, rises, lit(0.0)).store(&mut by_lanes);
+            on_cubic(ys, rises).store(&mut by_lanes);
             let [by_lanes] = by_lanes;
             let alone = approach(&before, &after, 1, length).clearance;
             assert!(

@@ -1,10 +1,9 @@
 //! Taylor steps for the quantities that pendulums carry along: the terms of the last two orders
 //! give the error.
 
-use super::pair::EmbeddedPair;
 use flipmap_numbers::Real;
 use flipmap_pendulum::Pendulum;
-use flipmap_pendulum::embedded::Trial;
+use flipmap_pendulum::embedded::{EmbeddedPair, Trial};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::MotionSeries;
 

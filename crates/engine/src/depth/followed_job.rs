@@ -13,8 +13,8 @@ use super::lines::Lines;
 use super::part::PlacedStart;
 use super::stats::DepthStats;
 use crate::{
-    Deep, Effort, EventSpec, FinalState, IntegratorState, Job, JobResult, Method, Moving,
-    MovingStarts, Precision, Starts, WantedEnds,
+    Deep, Effort, EventSpec, FinalState, IntegratorState, Job, JobResult, Moving, MovingStarts,
+    Precision, Starts, WantedEnds,
 };
 use flipmap_pendulum::Outcome;
 use flipmap_pendulum::flow_patch::Dynamics;
@@ -221,6 +221,6 @@ impl PartialResult {
 /// Returns true if a job's starts may be answered from their neighbours on a line: the job wants
 /// only outcomes, by a method whose errors are far smaller than the differences between neighbours.
 pub(super) fn may_use_lines(job: &Job) -> bool {
-    let adaptive = !matches!(job.config.method, Method::Rk4 { .. });
+    let adaptive = job.config.method.step_secs().is_none();
     adaptive && job.config.precision != Precision::F32 && job.keep.ends == WantedEnds::None
 }

@@ -25,6 +25,7 @@ use crate::{EngineError, EventSpec, IntegratorConfig, Method, Precision, WantedE
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::control::{Control, GROW, MAX_STEP, SHRINK};
 use flipmap_pendulum::crossing::{FAR, SLACK};
+use flipmap_pendulum::embedded::Pair;
 use flipmap_pendulum::series::ORDER_F64;
 use flipmap_pendulum::{Pendulum, Rule};
 use flipmap_shaders::KERNEL_PARTS;
@@ -34,10 +35,8 @@ use flipmap_shaders::KERNEL_PARTS;
 pub enum Scheme {
     /// RK4, with the way in which the stages of a step find their directions.
     Fixed(Turning),
-    /// The pair DOPRI5.
-    Fifth,
-    /// The pair DOP853.
-    Eighth,
+    /// An embedded pair.
+    Embedded(Pair),
     /// Taylor expansions; only in f64.
     Series,
 }
@@ -70,7 +69,7 @@ impl Design {
             (Scheme::Fixed(_), Pace::Fixed(steps)) => {
                 Scheme::Fixed(steps.turning(question, self.precision))
             }
-            (scheme, _) => scheme,
+            (Scheme::Fixed(_) | Scheme::Embedded(_) | Scheme::Series, _) => self.scheme,
         };
         let scene = Some((question.reduced().0, question.rule));
         Design { scheme, scene, passes: question.passes, ..self }
@@ -86,10 +85,10 @@ impl Design {
             Method::Rk4 { .. } if config.precision != Precision::Df32 => {
                 Scheme::Fixed(Turning::Fresh)
             }
-            Method::Dopri5 { .. } => Scheme::Fifth,
-            Method::Dop853 { .. } => Scheme::Eighth,
+            Method::Embedded { pair, .. } => Scheme::Embedded(pair),
             Method::Taylor { .. } if config.precision == Precision::F64 => Scheme::Series,
-            method => {
+            method
+            @ (Method::Rk4 { .. } | Method::Taylor { .. } | Method::Extrapolation { .. }) => {
                 return Err(EngineError::Unsupported(format!(
                     "graphics adapters have no method {} in precision {}",
                     method.name(),
@@ -181,7 +180,9 @@ impl Design {
         if self.is_adaptive() {
             let steps = match self.scheme {
                 Scheme::Series => ["series.wgsl", "course.wgsl", "series_look.wgsl"],
-                _ => ["control.wgsl", "adaptive.wgsl", "look.wgsl"],
+                Scheme::Embedded(_) | Scheme::Fixed(_) => {
+                    ["control.wgsl", "adaptive.wgsl", "look.wgsl"]
+                }
             };
             let files = [&["shared.wgsl", number], &steps[..], &["begin.wgsl", "turn.wgsl"]];
             return glue(&files.concat(), &self.values(maths, String::new()));
@@ -203,7 +204,11 @@ impl Design {
     }
 
     fn values(&self, maths: BTreeMap<String, String>, may_pass: String) -> Values {
-        let order = if self.scheme == Scheme::Fifth { 5 } else { 8 };
+        let order = match self.scheme {
+            Scheme::Embedded(pair) => pair.data().order,
+            // These schemes have no step size control.
+            Scheme::Fixed(_) | Scheme::Series => 8,
+        };
         // The tolerance is data; the values read here do not depend on it.
         let control = Control::new(1.0, order);
         let bobs = |suffix: &str| {
@@ -246,7 +251,7 @@ impl Design {
                 longest: number(MAX_STEP),
                 terms: ORDER_F64 + 1,
             },
-            quartic: self.scheme == Scheme::Fifth,
+            quartic: self.has_bow(),
             bows: self.bows(),
             maths,
             texts: TextValues {
@@ -277,13 +282,18 @@ impl Design {
         self.state().into_iter().filter(|name| !fixed.contains(name)).collect()
     }
 
-    /// Expressions for how the watched bobs' paths bend between the ends of a step, which only
-    /// DOPRI5 gives.
+    /// Returns true if the scheme provides how a path bends between the ends of a step.
+    pub(super) fn has_bow(&self) -> bool {
+        matches!(self.scheme, Scheme::Embedded(pair) if pair.data().has_bow)
+    }
+
+    /// Expressions for how the watched bobs' paths bend between the ends of a step, where the scheme
+    /// provides it.
     fn bows(&self) -> Vec<String> {
         let bow = |bob: &usize| format!("rough(bow{bob})");
         let known = self.watched();
         let mut bows: Vec<String> =
-            if self.scheme == Scheme::Fifth { known.iter().map(bow).collect() } else { Vec::new() };
+            if self.has_bow() { known.iter().map(bow).collect() } else { Vec::new() };
         bows.resize(2, "0.0".to_string());
         bows
     }

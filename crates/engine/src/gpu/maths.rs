@@ -11,13 +11,10 @@ use flipmap_numbers::dual::Dual;
 use flipmap_numbers::polynomial::quintic_hermite;
 use flipmap_numbers::trig::Turning;
 use flipmap_numbers::{Angle, Real};
-use flipmap_pendulum::embedded::{Trial, dop853, dopri5, plus};
+use flipmap_pendulum::embedded::{Pair, Trial, plus};
 use flipmap_pendulum::phase::{Phase, rk4};
 use flipmap_pendulum::tangents::Tangents;
 use flipmap_pendulum::{Pendulum, State, integrator};
-
-/// An embedded pair on symbols.
-type SymbolicPair = fn(&Pendulum<Symbol>, [Symbol; 2], &Phase<Symbol>, Symbol) -> Trial<Symbol>;
 
 const INDENT: &str = "        ";
 
@@ -58,8 +55,7 @@ impl Design {
         }
         match self.scheme {
             Scheme::Fixed(turning) => self.fixed_step(turning),
-            Scheme::Fifth => self.adaptive_step(dopri5),
-            Scheme::Eighth => self.adaptive_step(dop853),
+            Scheme::Embedded(pair) => self.adaptive_step(pair),
             Scheme::Series => self.series_step(),
         }
     }
@@ -80,12 +76,12 @@ impl Design {
         })
     }
 
-    fn adaptive_step(&self, pair: SymbolicPair) -> String {
+    fn adaptive_step(&self, pair: Pair) -> String {
         const NAMES: Phase<&str> = ["x1", "y1", "x2", "y2", "p1", "p2"];
         const LOWS: Phase<&str> = ["x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low"];
         write_maths(self.dialect(), || {
             let (pendulum, phase, step) = (self.pendulum(), NAMES.map(variable), variable("step"));
-            let trial = pair(&pendulum, self.inverse_scale(), &phase, step);
+            let trial = pair.trial(&pendulum, self.inverse_scale(), &phase, step);
             let mut results = Vec::new();
             let mut next = phase;
             for i in 0..6 {
@@ -113,7 +109,7 @@ impl Design {
             for bob in self.watched() {
                 results.push((format!("w{bob}"), before[bob - 1]));
                 results.push((format!("w{bob}_next"), after[bob - 1]));
-                if self.scheme == Scheme::Fifth {
+                if pair.data().has_bow {
                     results.push((format!("bow{bob}"), trial.bow[bob - 1]));
                 }
             }
@@ -133,8 +129,9 @@ impl Design {
             let length = Dual::new(step);
             let (next, error) = match self.scheme {
                 Scheme::Fixed(_) => (rk4(&pendulum, &before, length), Dual::new(literal(0.0))),
-                Scheme::Fifth => tried(&before, dopri5(&pendulum, scale, &before, length)),
-                Scheme::Eighth => tried(&before, dop853(&pendulum, scale, &before, length)),
+                Scheme::Embedded(pair) => {
+                    tried(&before, pair.trial(&pendulum, scale, &before, length))
+                }
                 Scheme::Series => unreachable!("refused with the job"),
             };
             let error = error.value;
@@ -158,8 +155,9 @@ impl Design {
             let step = variable("step");
             let (after, error) = match self.scheme {
                 Scheme::Fixed(_) => (rk4(&pendulum, &before, step), literal(0.0)),
-                Scheme::Fifth => tried(&before, dopri5(&pendulum, scale, &before, step)),
-                Scheme::Eighth => tried(&before, dop853(&pendulum, scale, &before, step)),
+                Scheme::Embedded(pair) => {
+                    tried(&before, pair.trial(&pendulum, scale, &before, step))
+                }
                 Scheme::Series => unreachable!("refused with the job"),
             };
             let unit = |i: usize| if i < 4 { literal(1.0) } else { scale[i - 4] };

@@ -142,12 +142,17 @@ fn orbit_config(config: &IntegratorConfig) -> Option<(IntegratorConfig, f64)> {
     let (method, allowed_secs) = match (config.method, config.precision) {
         (Method::Rk4 { .. }, Precision::F32) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-3),
         (Method::Rk4 { .. }, _) => (Method::Rk4 { step_secs: 1.0 / 480.0 }, 5e-6),
-        (Method::Dopri5 { .. }, Precision::F32) => (Method::Dopri5 { tolerance: 1e-7 }, 5e-3),
-        // Four times as many steps as by dop853 add up four times as many rounding errors.
-        (Method::Dopri5 { .. }, Precision::Df32) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-7),
-        (Method::Dopri5 { .. }, _) => (Method::Dopri5 { tolerance: 1e-13 }, 1e-8),
-        (Method::Dop853 { .. }, Precision::F32) => (Method::Dop853 { tolerance: 1e-7 }, 5e-3),
-        (Method::Dop853 { .. }, _) => (Method::Dop853 { tolerance: 1e-13 }, 1e-8),
+        (Method::Embedded { pair, .. }, Precision::F32) => {
+            (Method::Embedded { pair, tolerance: 1e-7 }, 5e-3)
+        }
+        (Method::Embedded { pair, .. }, Precision::Df32) => {
+            // Four times as many steps as by dop853 add up four times as many rounding errors.
+            let allowed_secs = if pair.data().order < 8 { 1e-7 } else { 1e-8 };
+            (Method::Embedded { pair, tolerance: 1e-13 }, allowed_secs)
+        }
+        (Method::Embedded { pair, .. }, Precision::F64 | Precision::Dd) => {
+            (Method::Embedded { pair, tolerance: 1e-13 }, 1e-8)
+        }
         (Method::Taylor { .. }, _) => (FINEST.method, 1e-8),
         (Method::Extrapolation { .. }, _) => return None,
     };
@@ -170,9 +175,8 @@ pub(crate) fn judge_orbits(
         precision: config.precision,
         name: match config.method {
             Method::Rk4 { .. } => "orbits by rk4",
-            Method::Dopri5 { .. } => "orbits by dopri5",
-            Method::Taylor { .. } => BY_SERIES,
-            _ => "orbits by dop853",
+            Method::Embedded { pair, .. } => pair.data().orbit_check,
+            Method::Taylor { .. } | Method::Extrapolation { .. } => BY_SERIES,
         },
         passed: complete && error <= allowed_secs,
         detail: format!("worst error {error:.1e} s, allowed {allowed_secs:.1e} s"),

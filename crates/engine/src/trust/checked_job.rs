@@ -175,7 +175,9 @@ impl CheckedJob {
     pub(super) fn finish(self) -> JobResult {
         let ends = match self.job.keep.ends {
             WantedEnds::None => Vec::new(),
-            _ => self.finest.iter().map(|answer| answer.end).collect(),
+            WantedEnds::Plain | WantedEnds::Growth | WantedEnds::Return => {
+                self.finest.iter().map(|answer| answer.end).collect()
+            }
         };
         JobResult {
             id: self.job.id,

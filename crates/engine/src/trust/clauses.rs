@@ -10,11 +10,11 @@ use flipmap_pendulum::{Accumulators, Outcome, Rule, Status};
 use flipmap_scene::PendulumSpec;
 
 fn dop853(tolerance: f64) -> IntegratorConfig {
-    IntegratorConfig { method: Method::Dop853 { tolerance }, precision: Precision::F64 }
+    IntegratorConfig { method: Method::dop853(tolerance), precision: Precision::F64 }
 }
 
 fn dopri5(tolerance: f64) -> IntegratorConfig {
-    IntegratorConfig { method: Method::Dopri5 { tolerance }, precision: Precision::F64 }
+    IntegratorConfig { method: Method::dopri5(tolerance), precision: Precision::F64 }
 }
 
 const TAYLOR_DD: IntegratorConfig =

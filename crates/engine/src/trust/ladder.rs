@@ -86,27 +86,12 @@ fn rounding(precision: Precision) -> f64 {
 
 /// Approximate error scale of a configuration from the release.
 fn error_scale(config: &IntegratorConfig) -> f64 {
-    rounding(config.precision)
-        + match config.method {
-            Method::Rk4 { .. } => 1e-3,
-            Method::Dopri5 { tolerance } => 2.5 * tolerance,
-            Method::Dop853 { tolerance } => 0.7 * tolerance,
-            Method::Taylor { tolerance } => 0.5 * tolerance,
-            Method::Extrapolation { tolerance } => 0.1 * tolerance,
-        }
+    rounding(config.precision) + config.method.error_scale()
 }
 
-/// Approximate error of a configuration that begins after a start map, expressed as an error of the
-/// state with which it begins. The error of Taylor expansions is below the map's own error
-/// ([`OF_MAPS`]) in all leaves that are followed, so that no verdict depends on it.
+/// Approximate error of a configuration that begins after a start map.
 fn error_scale_after_a_map(config: &IntegratorConfig) -> f64 {
-    rounding(config.precision)
-        + match config.method {
-            Method::Rk4 { .. } => 1e-3,
-            Method::Dopri5 { tolerance } => 10.0 * tolerance,
-            Method::Dop853 { tolerance } => 100.0 * tolerance,
-            Method::Taylor { tolerance } | Method::Extrapolation { tolerance } => tolerance,
-        }
+    rounding(config.precision) + config.method.error_scale_after_map()
 }
 
 /// Least error of start maps, as a share of half a leaf: rounding errors and errors of their steps,
@@ -125,9 +110,9 @@ const fn dd_run(method: Method) -> IntegratorConfig {
 }
 
 /// A configuration finer than `balanced`.
-const FINER: IntegratorConfig = f64_run(Method::Dop853 { tolerance: 1e-14 });
+const FINER: IntegratorConfig = f64_run(Method::dop853(1e-14));
 /// A coarser configuration of another method than [`FINER`].
-const OTHER: IntegratorConfig = f64_run(Method::Dopri5 { tolerance: 1e-10 });
+const OTHER: IntegratorConfig = f64_run(Method::dopri5(1e-10));
 /// A configuration in double-double, far finer than f64.
 const BEYOND: IntegratorConfig = dd_run(Method::Extrapolation { tolerance: 1e-20 });
 /// The finest configuration in double-double.
@@ -163,13 +148,10 @@ pub(super) fn ends_of(config: &IntegratorConfig, wanted: WantedEnds) -> WantedEn
 
 fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {
     let first = if error_scale(config) <= FINE { *config } else { BALANCED };
-    let probe = match first.method {
-        // Another method than the first one's, with another test for crossings.
-        Method::Dopri5 { tolerance: _ } => IntegratorConfig {
-            method: Method::Dop853 { tolerance: 5e-8 },
-            precision: Precision::F32,
-        },
-        _ => FAST,
+    // Another method than the first one's, with another test for crossings.
+    let probe = match first.method.name() == FAST.method.name() {
+        true => IntegratorConfig { method: Method::dop853(5e-8), precision: Precision::F32 },
+        false => FAST,
     };
     let rest = |config| Run::new(config, Origin::Rest);
     let rung = |trust, runs| Rung { runs, trust };

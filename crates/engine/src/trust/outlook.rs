@@ -178,7 +178,7 @@ mod tests {
             let answers = AccuracyEstimate::sample(&mut engine, question, how, &starts, &|| true);
             answers.unwrap().unwrap()
         };
-        let method = Method::Dopri5 { tolerance: 1e-8 };
+        let method = Method::dopri5(1e-8);
         let coarse = IntegratorConfig { method, precision: Precision::F64 };
         let (coarse, truth) = (sample(coarse), sample(BALANCED));
         assert!(!truth.beyond.contains(&true));

@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::Pendulum;
 use crate::crossing::StepState;
-use crate::embedded::{dop853, plus};
+use crate::embedded::{Dop853, EmbeddedPair, plus};
 use crate::flip::Rule;
 use crate::opening::Rates;
 use crate::phase::Phase;
@@ -37,7 +37,7 @@ impl WithSimd for CarryingStep<'_> {
     fn with_simd<S: Simd>(self, _: S) -> Phase<Jet> {
         let CarryingStep { dynamics, phase, step } = self;
         let scale = dynamics.inverse_scale.map(Jet::constant);
-        plus(phase, &dop853(&dynamics.jets, scale, phase, step).change)
+        plus(phase, &Dop853::trial(&dynamics.jets, scale, phase, step).change)
     }
 }
 
@@ -60,7 +60,7 @@ impl Dynamics {
 
     /// The state of one pendulum after a step, and the error of that step.
     pub(super) fn moved(&self, phase: &Phase<f64>, step: f64) -> (Phase<f64>, f64) {
-        let trial = dop853(&self.pendulum, self.inverse_scale, phase, step);
+        let trial = Dop853::trial(&self.pendulum, self.inverse_scale, phase, step);
         (plus(phase, &trial.change), trial.error_squared.sqrt())
     }
 

@@ -7,7 +7,7 @@ use flipmap_engine::{
 };
 use flipmap_numbers::trig::Turning;
 use flipmap_numbers::{Dd, Scalar};
-use flipmap_pendulum::embedded::{dop853, dopri5, plus};
+use flipmap_pendulum::embedded::{Pair, plus};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::MotionSeries;
 use flipmap_pendulum::taylor::Orbit;
@@ -152,8 +152,8 @@ fn orders(_: &mut HardBench) -> Result<HardFinding, EngineError> {
     let pendulum = Pendulum::points([lit(1.0); 2], [lit(1.0); 2], lit(1.0));
     let begun = pendulum.phase(&State::rest([lit(0.5), lit(-0.3)]));
     let unit = [lit(1.0); 2];
-    let fifth = |z: &Phase<Dd>, h| plus(z, &dopri5(&pendulum, unit, z, h).change);
-    let eighth = |z: &Phase<Dd>, h| plus(z, &dop853(&pendulum, unit, z, h).change);
+    let fifth = |z: &Phase<Dd>, h| plus(z, &Pair::Dopri5.trial(&pendulum, unit, z, h).change);
+    let eighth = |z: &Phase<Dd>, h| plus(z, &Pair::Dop853.trial(&pendulum, unit, z, h).change);
     let taylor = |z: &Phase<Dd>, h| plus(z, &MotionSeries::<Dd, N>::expand(&pendulum, z).change(h));
     let truth = pendulum
         .phase(&Orbit::new(pendulum, State::rest([lit(0.5), lit(-0.3)])).state_at(lit(2.0)));

@@ -145,7 +145,7 @@ impl<'a> Judged<'a> {
         let end = referee.end(&phase)?;
         let log_growth = match self.reader.ends() {
             WantedEnds::Growth => self.log_growth(&referee, start, &end)?,
-            _ => 0.0,
+            WantedEnds::None | WantedEnds::Plain | WantedEnds::Return => 0.0,
         };
         Some(self.answer(&end, log_growth, unit_secs.to_f64()))
     }

@@ -23,10 +23,10 @@ pub(super) struct How {
 const CONFIGS: [(Method, Precision); 8] = [
     (Method::LESSON, Precision::F32),
     (Method::LESSON, Precision::F64),
-    (Method::Dopri5 { tolerance: 5e-8 }, Precision::F32),
-    (Method::Dopri5 { tolerance: 1e-9 }, Precision::F64),
-    (Method::Dop853 { tolerance: 5e-8 }, Precision::F32),
-    (Method::Dop853 { tolerance: 1e-11 }, Precision::F64),
+    (Method::dopri5(5e-8), Precision::F32),
+    (Method::dopri5(1e-9), Precision::F64),
+    (Method::dop853(5e-8), Precision::F32),
+    (Method::dop853(1e-11), Precision::F64),
     (Method::Taylor { tolerance: 1e-15 }, Precision::F64),
     (Method::Taylor { tolerance: 1e-25 }, Precision::Dd),
 ];
@@ -52,9 +52,9 @@ impl How {
         match self.config {
             None => settings.push(("accuracy", Accuracy::Exact.to_string())),
             Some(IntegratorConfig { method, precision }) => {
-                let limit = match method {
-                    Method::Rk4 { .. } => ("step", "1/120".to_string()),
-                    _ => ("tolerance", format!("{:e}", method.tolerance().unwrap_or_default())),
+                let limit = match method.tolerance() {
+                    None => ("step", "1/120".to_string()),
+                    Some(tolerance) => ("tolerance", format!("{tolerance:e}")),
                 };
                 let method = ("method", method.name().to_string());
                 settings.extend([method, ("precision", precision.to_string()), limit]);

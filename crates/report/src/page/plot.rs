@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::html::escaped;
-use flipmap_engine::{IntegratorConfig, Method, Precision};
+use flipmap_engine::{IntegratorConfig, Precision};
 
 /// Points that belong together.
 #[derive(Clone, Debug)]
@@ -34,22 +34,11 @@ pub(super) struct Plot {
 /// The engine, the config and the coordinates of a point.
 pub(super) type Point = (String, IntegratorConfig, [f64; 2]);
 
-/// Number of a method's colour.
-fn colour(method: Method) -> usize {
-    match method {
-        Method::Rk4 { .. } => 0,
-        Method::Dopri5 { .. } => 1,
-        Method::Dop853 { .. } => 2,
-        Method::Taylor { .. } => 3,
-        Method::Extrapolation { .. } => 4,
-    }
-}
-
 impl Series {
     /// A point with a name.
     pub(super) fn named((engine, config, point): Point, name: &'static str) -> Self {
         let IntegratorConfig { method, precision } = config;
-        let colour = (colour(method), method.name());
+        let colour = (method.colour(), method.name());
         Series { colour, precision, engine, points: vec![point], name }
     }
 
