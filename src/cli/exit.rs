@@ -10,7 +10,7 @@ use flipmap_render::output::{self, OutputError};
 use flipmap_scene::{DocumentError, SceneError};
 
 use super::option_names::option_of;
-use super::voice::tell_error;
+use super::voice::{self, Voice, tell_error};
 
 /// Failures of the program, by exit code.
 #[derive(Debug, thiserror::Error)]
@@ -89,12 +89,36 @@ const MAX_LINE_CHARACTERS: usize = 400;
 /// Prints clap's help, or its error, cleaned like any other, and exits with clap's code.
 pub(super) fn leave(error: &clap::Error) -> ! {
     if !error.use_stderr() {
-        error.exit()
+        let printed = error.print();
+        if let Err(why) = &printed {
+            tell_error(&format!("cannot write standard output: {why}"));
+        }
+        std::process::exit(i32::from(printed.is_err()))
     }
     let text = error.render().to_string();
-    let lines: Vec<String> = text.lines().map(shortened).collect();
-    let _ = writeln!(io::stderr(), "{}", printable(&lines.join("\n")).trim_end());
+    let lines: Vec<String> = text.lines().map(|line| shortened(&in_our_words(line))).collect();
+    let text = printable(&lines.join("\n"));
+    if says_json() {
+        voice::set(Voice::Json);
+        tell_error(text.trim_start_matches("error: ").trim_end());
+    } else {
+        let _ = writeln!(io::stderr(), "{}", text.trim_end());
+    }
     std::process::exit(error.exit_code())
+}
+
+/// Returns a line of clap's with what Rust's parsers of numbers say in the words of people.
+fn in_our_words(line: &str) -> String {
+    let number = "it must be a whole number";
+    let said = ["invalid digit found in string", "cannot parse integer from empty string"];
+    said.iter().fold(line.to_string(), |line, words| line.replace(words, number))
+}
+
+/// Returns true if the command line, which could not be read, asks for JSON.
+fn says_json() -> bool {
+    let words: Vec<_> = std::env::args_os().collect();
+    let is_pair = |pair: &[std::ffi::OsString]| pair[0] == "--progress" && pair[1] == "json";
+    words.windows(2).any(is_pair) || words.iter().any(|word| word == "--progress=json")
 }
 
 /// Cuts the middle, which is a quoted value, out of a very long line; clap's words are at its ends.

@@ -103,8 +103,9 @@ pub(super) fn lacks(missing: &[u32], task: &Task, plan: &Path, from: u32) -> Exi
     let some: Vec<String> = missing.iter().take(8).map(number).collect();
     let counted = if from == 1 { "" } else { " --from 0" };
     let more = if missing.len() > some.len() { ", …" } else { "" };
+    let are = if missing.len() == 1 { "is" } else { "are" };
     Exit::Missing(format!(
-        "{} of {} shards are not complete ({}{more}): complete each with flipmap run {} --shard N{counted}",
+        "{} of {} shards {are} not complete ({}{more}): complete each with flipmap run {} --shard N{counted}",
         missing.len(),
         task.plan.shards,
         some.join(", "),

@@ -15,7 +15,7 @@ use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Budget, Document, DocumentError, Setting, between, decimal_hint};
 
 use super::exit::Exit;
-use super::options::{SceneWords, load, number};
+use super::options::{SceneWords, check_run, load, number};
 use super::picture_options::PictureOptions;
 use super::run_options::RunOptions;
 use super::same_file::Named;
@@ -198,7 +198,11 @@ fn read_keys(name: &str) -> Result<Vec<Key>, Exit> {
               needs --zoom-to or --vary, and a plan is for flipmap run and merge",
         ));
     }
-    Ok(Keys::parse(&text).map_err(|why| refuse(&why))?.keys)
+    let keys = Keys::parse(&text).map_err(|why| refuse(&why))?.keys;
+    for (key, number) in keys.iter().zip(1..) {
+        check_run(&key.scene.run, &format!("{name}: key {number}"))?;
+    }
+    Ok(keys)
 }
 
 /// Returns keys of one view in which one quantity changes. A question or budget in `words` is kept.

@@ -6,11 +6,15 @@ use std::time::Duration;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::profile::Profile;
 use flipmap_engine::{Accuracy, EngineKind};
-use flipmap_render::tiles::Samples;
-use flipmap_scene::QuestionSettings;
+use flipmap_render::output::Paths;
+use flipmap_render::tiles::{MIRROR_BYTES, Samples};
+use flipmap_scene::Document;
 use indicatif::{HumanBytes, HumanCount, HumanDuration};
 
 use super::run_options::EngineOptions;
+
+/// Time of a checked pixel of the home map in that of an unchecked one (README.md, measured).
+const CHECKED: f64 = 2.5;
 
 /// The effort of some samples on this machine.
 pub(super) struct Foresight {
@@ -24,12 +28,14 @@ impl Foresight {
     pub(super) fn of(
         engine: &EngineOptions,
         setting: IntegrationSetting,
+        verify: bool,
         samples: u64,
     ) -> Foresight {
         let IntegrationSetting::Accuracy(accuracy) = setting else {
             return Foresight { samples, us_per_sample: None };
         };
-        let request = engine.request(setting, accuracy == Accuracy::Exact);
+        let is_checked = verify || accuracy == Accuracy::Exact;
+        let request = engine.request(setting, is_checked);
         let profile =
             Profile::get(request.threads, &|text| super::tell(&format!("flipmap: {text}")));
         let row = profile.fastest(accuracy, |row| {
@@ -38,7 +44,8 @@ impl Foresight {
                 |name: &String| row.engine == EngineKind::Gpu && row.adapter.contains(&**name);
             is_kind && request.adapter.as_ref().is_none_or(of_adapter)
         });
-        Foresight { samples, us_per_sample: row.map(|row| row.us_per_pixel) }
+        let effort = if is_checked { CHECKED } else { 1.0 };
+        Foresight { samples, us_per_sample: row.map(|row| row.us_per_pixel * effort) }
     }
 
     /// Returns the effort in words.
@@ -58,20 +65,50 @@ impl Foresight {
     }
 }
 
+/// Room for the heads of files, their scenes and what surrounds a pyramid.
+const BESIDE_PIXELS: u64 = 128 << 10;
+
 /// Returns the size of an output of `size` pixels in words.
-pub(super) fn file_size(path: &Path, size: [u32; 2], question: &QuestionSettings) -> String {
-    let pixels = size.map(u64::from).iter().product::<u64>();
-    let channels = question.ask.kind().channels.len() as u64;
+pub(super) fn file_size(option: &str, path: &Path, size: [u32; 2], document: &Document) -> String {
+    let [width, height] = size.map(u64::from);
+    let pixels = width * height;
+    let channels = document.question.ask.kind().channels.len() as u64;
     let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
-    let bytes = match ending.as_ref().and_then(|ending| ending.to_str()) {
-        Some("npy") => 8 * channels * pixels,
-        Some("npz") => (8 * channels + 6) * pixels,
-        Some("csv") => (50 + 20 * channels) * pixels,
-        Some("exr") => (4 * channels + 16) * pixels,
-        Some("tif" | "tiff") => return format!("{}", HumanBytes(3 * pixels)),
-        _ => 3 * pixels,
+    let ending = ending.as_ref().and_then(|ending| ending.to_str());
+    // Axes are lines of numbers if the view is upright, and else numbers for each pixel.
+    let is_upright = document.view.rotate == 0.0;
+    let axes = if is_upright { 16 * (width + height) } else { 32 * pixels };
+    let depth = u64::from(document.picture.bits) / 8;
+    let bytes = match (option, ending) {
+        ("--raw", Some("npz")) => (8 * channels + 6) * pixels + axes,
+        ("--raw", Some("csv")) => (100 + 25 * channels) * pixels,
+        ("--raw", _) => 8 * channels * pixels,
+        ("--exr", _) => (4 * channels + 16) * pixels,
+        // The levels of a pyramid add a third, and every tile is a file.
+        ("--pyramid", _) => 4 * pixels + 1024 * (pixels >> 15),
+        _ => 3 * depth * pixels + height,
     };
-    format!("at most {}", HumanBytes(bytes))
+    format!("at most {}", HumanBytes(bytes + BESIDE_PIXELS))
+}
+
+/// Memory in bytes of the program itself, its engine and rows on their way.
+const OWN_MEMORY: u64 = 300 << 20;
+
+/// Returns the memory that a picture takes, in words: rows are written as they come, but for the
+/// formats that are encoded as a whole, and the half of a symmetric map that waits for its turn.
+pub(super) fn memory(document: &Document, size: [u32; 2], paths: &Paths) -> String {
+    let [width, height] = document.picture.samples.grid_size(size).map(u64::from);
+    let sample = Samples::bytes(document.question.ask.kind().channels.len()) as u64;
+    let mirrored = if document.scene().is_symmetric() { width * height / 2 * sample } else { 0 };
+    let is_whole = |path: &&Path| {
+        ["jpg", "jpeg", "webp"]
+            .into_iter()
+            .any(|ending| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending)))
+    };
+    let wholes = paths.named().into_iter().filter(|(_, path)| is_whole(path)).count() as u64;
+    let pixels = size.map(u64::from).iter().product::<u64>();
+    let bytes = OWN_MEMORY + mirrored.min(MIRROR_BYTES) + 6 * pixels * wholes;
+    format!("memory: about {}", HumanBytes(bytes))
 }
 
 /// Returns the room that kept samples with this many channels need on the disk, in words.
@@ -90,8 +127,9 @@ mod tests {
         assert!(told.starts_with("2,000,000 samples at most; at the 30.0 µs"), "{told}");
         assert!(told.contains("they take 60 seconds"), "{told}");
         assert!(Foresight { us_per_sample: None, ..effort }.sentence().contains("no such method"));
-        let size =
-            |name: &str| file_size(Path::new(name), [1024, 1024], &QuestionSettings::default());
-        assert_eq!((size("a.npy"), size("a.tif")), ("at most 8.00 MiB".into(), "3.00 MiB".into()));
+        let document = Document::default();
+        let size = |option, name| file_size(option, Path::new(name), [1024, 1024], &document);
+        assert_eq!(size("--raw", "-"), "at most 8.12 MiB");
+        assert_eq!(size("-o", "a.tif"), "at most 3.13 MiB");
     }
 }

@@ -8,15 +8,18 @@ use flipmap_lab::home::home_map;
 use flipmap_lab::still::{Still, draw, still};
 use flipmap_lab::{Figure, Lab, flips};
 use flipmap_render::output::{PICTURES, PictureFile};
+use flipmap_scene::{decimal_hint, not_among};
 
 use super::exit::Exit;
 use super::options::number;
 use super::same_file::{keep_apart, one_stream};
 use super::size;
+use super::suggested::Suggested;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// Name of the figure: single, ghost, double, machine, integrators, twenty or map
+    #[arg(hide_possible_values = true, value_parser = Suggested(Figure::names()))]
     name: String,
     /// Picture of the figure to write (- for standard output)
     #[arg(short, long, value_name = "STILL.png")]
@@ -37,12 +40,13 @@ const MAX_SECS: f64 = 600.0;
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let figure = Figure::named(&options.name).ok_or_else(|| {
-        let names = Figure::names();
-        Exit::Usage(format!("there is no figure called '{}'; choose one of {names}", options.name))
+        let allowed = not_among("figures", &Figure::names(), &options.name);
+        Exit::Usage(format!("there is no figure called '{}'; {allowed}", options.name))
     })?;
     let secs = number(&options.at).filter(|secs| (0.0..=MAX_SECS).contains(secs));
     let secs = secs.ok_or_else(|| {
-        Exit::Usage(format!("--at is '{}'; it must be between 0 and 600 s", options.at))
+        let hint = decimal_hint(&options.at);
+        Exit::Usage(format!("--at is '{}'; it must be between 0 and 600 s{hint}", options.at))
     })?;
     let size = size(&options.size)?;
     if options.output.is_none() && options.csv.is_none() {
@@ -57,6 +61,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     keep_apart(&[], &outputs)?;
     one_stream(&outputs, false)?;
+    for (option, path) in &outputs {
+        super::check(path, option)?;
+    }
     if figure == Figure::Map {
         return map(options, size);
     }

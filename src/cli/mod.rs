@@ -35,6 +35,7 @@ mod size;
 mod spread;
 pub(crate) mod stop;
 mod suggested;
+mod temporary;
 mod trace;
 mod version;
 mod video;
@@ -174,7 +175,7 @@ fn default_verb() -> Verb {
 fn say(text: &str) -> anyhow::Result<()> {
     use std::io::Write;
     check_stdout()?;
-    Ok(writeln!(std::io::stdout(), "{text}")?)
+    writeln!(std::io::stdout(), "{text}").context("cannot write standard output")
 }
 
 /// Refuses a standard output that was closed before the program began.

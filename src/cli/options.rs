@@ -4,8 +4,9 @@ use std::path::Path;
 
 use clap::builder::Resettable;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use flipmap_engine::run_settings::RunSpec;
 use flipmap_render::output::named_document;
-use flipmap_scene::{BuiltIn, Document, SceneError, Setting, plain_numbers};
+use flipmap_scene::{BuiltIn, Document, RunTable, SceneError, Setting, plain_numbers};
 
 use super::exit::Exit;
 use super::same_file::Named;
@@ -123,7 +124,11 @@ fn is_of_view(setting: Setting) -> bool {
 }
 
 fn scene_help() -> String {
-    format!("A .toml scene, a .png written by flipmap, or a built-in scene: {}", BuiltIn::names())
+    format!(
+        "A scene: a .toml, a .png written by flipmap, a location (flipmap:center=…), - for standard \
+         input, or built-in: {}",
+        BuiltIn::names()
+    )
 }
 
 /// Sets `value` from an option's text, if given; a usage error names the option.
@@ -146,5 +151,13 @@ pub(super) fn number(text: &str) -> Option<f64> {
 
 /// Loads a scene from a file, or a built-in one by its name.
 pub(super) fn load(scene: &str) -> anyhow::Result<Document> {
-    Ok(named_document(scene).map_err(|error| Exit::usage(&error))?)
+    let document = named_document(scene).map_err(|error| Exit::usage(&error))?;
+    check_run(&document.run, scene)?;
+    Ok(document)
+}
+
+/// Rejects run settings of a file that cannot be used, in the words of the file.
+pub(super) fn check_run(run: &RunTable, file: &str) -> Result<(), Exit> {
+    let checked = RunSpec::resolve(run.clone());
+    checked.map(drop).map_err(|error| Exit::Usage(format!("{file}: in [run], {error}")))
 }

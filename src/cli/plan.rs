@@ -132,6 +132,7 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         return Err(Exit::Usage(message.to_string()).into());
     }
     super::check_name(&options.output, "-o", &["toml", "plan"])?;
+    super::check(&options.output, "-o")?;
     let scene = match &what {
         PlannedOutput::Still(document) => document.scene(),
         PlannedOutput::Film(film) => film.keys[0].scene.scene(),
@@ -161,10 +162,13 @@ pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     super::write_whole(&options.output, "-o", plan.text().as_bytes())?;
     let task = Task::new(plan, &options.output)?;
     super::tell(&format!(
-        "flipmap: {} samples in {} shards; to compute: flipmap run {} --shard N, N from 1 to {}, or \
+        "flipmap: {} samples in {}; to compute: flipmap run {} --shard N, N from 1 to {}, or \
          from 0 with --from 0",
         task.samples(),
-        options.shards,
+        match options.shards {
+            1 => "1 shard".to_string(),
+            shards => format!("{shards} shards"),
+        },
         shell_word(&options.output),
         options.shards
     ));
@@ -179,10 +183,14 @@ fn foresee(
     options: &PlanOptions,
 ) -> anyhow::Result<()> {
     let channels = scene.question.ask.kind().channels.len();
+    let verify = plan.verify;
     let samples = Task::new(plan, &options.output)?.samples();
     let of_shard = samples.div_ceil(u64::from(options.shards));
-    let effort = Foresight::of(&options.film.run.engine, setting, of_shard);
-    super::say(&format!("each of {} shards: {}", options.shards, effort.sentence()))?;
+    let effort = Foresight::of(&options.film.run.engine, setting, verify, of_shard);
+    match options.shards {
+        1 => super::say(&effort.sentence())?,
+        shards => super::say(&format!("each of {shards} shards: {}", effort.sentence()))?,
+    }
     super::say(&format!("parts: {}", samples_size(samples, channels)))
 }
 
@@ -227,7 +235,7 @@ pub(super) fn run(options: &RunShards) -> anyhow::Result<()> {
     let shards = options.counted.shards(options.shard.as_deref(), task.plan.shards)?;
     if options.dry_run {
         let missing = farm::missing(&task, shards)?;
-        let effort = Foresight::of(&options.engine, setting_of(&task), missing);
+        let effort = Foresight::of(&options.engine, setting_of(&task), task.plan.verify, missing);
         return super::say(&effort.sentence());
     }
     let request =

@@ -1,7 +1,7 @@
 //! `flipmap render`: renders a scene as a picture, as tiles, as an array of flip times, as a map of
 //! trust, or as several of these.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -9,7 +9,9 @@ use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::trust::{AccuracyEstimate, Opinion};
 use flipmap_engine::{Accuracy, Cells, Engine, EngineKind, IntegratorConfig, Trust};
-use flipmap_render::output::{Paths, PictureRecipe, RenderError, RenderedPicture};
+use flipmap_render::output::{
+    Paths, PictureRecipe, RenderError, RenderedPicture, Sinks, is_stdout,
+};
 use flipmap_render::tiles::{self, Counts, Renderer, SavedPixels};
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Document, Grid, PixelAxes, Sampling, Scene, location};
@@ -17,7 +19,7 @@ use flipmap_scene::{Document, Grid, PixelAxes, Sampling, Scene, location};
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
 use super::exit::Exit;
-use super::foresight::{Foresight, file_size};
+use super::foresight::{Foresight, file_size, memory};
 use super::option_names::by_option;
 use super::options::SceneOptions;
 use super::outputs::OutputOptions;
@@ -82,6 +84,12 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         .map_err(|error| Exit::usage(&error))?;
     warn_of_missing_digits(&scene, spec.size());
     if let Some(continued) = &mut continued {
+        if tiles::follows_cells(&scene, spec.size(), &config, options.cells) {
+            let message = "--state cannot be used here, because pixels this close together are \
+                           followed in groups, which have no states: flipmap plan splits the work so \
+                           that finished parts are kept";
+            return Err(Exit::Usage(message.to_string()).into());
+        }
         continued.check_ran(chosen.engine.as_ref(), config)?;
     }
     if let Some(weight) = options.picture.weight_of_view(&document) {
@@ -96,13 +104,15 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut renderer = Renderer::try_from(chosen)?;
     announce(renderer.engine(), config, spec.verify, &why);
     let preparing = begun.elapsed();
-    let watch = CommandLine::new(options.progress, "pixels", Some(following));
+    let unit = if document.picture.samples == Sampling::SINGLE { "pixels" } else { "samples" };
+    let watch = CommandLine::new(options.progress, unit, Some(following));
     let mut saved = continued.as_mut().map(Continued::take);
     let rendered = recipe.render(&mut renderer, &mut saved, &watch);
     drop(watch);
+    let keeps = saved.as_ref().is_some_and(|saved| !saved.is_empty());
     let writing = write_state(continued, saved)?;
     let RenderedPicture { counts, opinion, mut clock } =
-        rendered.or_else(|error| interrupted(error, options.state.as_deref()))?;
+        rendered.or_else(|error| interrupted(error, keeps))?;
     let outlook = outlook(&spec, &scene, (config, options.cells), renderer.engine())?;
     clock.output += writing;
     let seconds =
@@ -125,12 +135,23 @@ fn foresee(
     paths: &Paths,
 ) -> anyhow::Result<()> {
     let size = spec.size();
+    // Opening the outputs refuses sizes that a format or the memory cannot hold.
+    let is_file = |path: &PathBuf| !is_stdout(path);
+    let files = Paths {
+        picture: paths.picture.clone().filter(is_file),
+        pyramid: paths.pyramid.clone(),
+        raw: paths.raw.clone().filter(is_file),
+        exr: paths.exr.clone().filter(is_file),
+        trust: paths.trust.clone().filter(is_file),
+    };
+    drop(Sinks::open(&files, document, size)?);
     let [width, height] = document.picture.samples.grid_size(size).map(u64::from);
-    let effort = Foresight::of(&options.run.engine, spec.setting, width * height);
+    let effort = Foresight::of(&options.run.engine, spec.setting, spec.verify, width * height);
     super::say(&effort.sentence())?;
+    super::say(&memory(document, size, paths))?;
     for (option, path) in by_option(paths) {
         let file = path.display();
-        super::say(&format!("{option} {file}: {}", file_size(path, size, &document.question)))?;
+        super::say(&format!("{option} {file}: {}", file_size(option, path, size, document)))?;
     }
     Ok(())
 }
@@ -193,11 +214,11 @@ struct RunSummary<'a> {
     seconds: [f64; 3],
 }
 
-/// Converts an error; a stop has exit codes of its own, with and without a state that was kept.
-fn interrupted<T>(error: RenderError, state: Option<&Path>) -> anyhow::Result<T> {
-    match (error, state) {
-        (RenderError::Stopped, Some(_)) => Err(Exit::Unwritten.into()),
-        (RenderError::Stopped, None) => Err(Exit::Interrupted.into()),
+/// Converts an error; a stop has exit codes of its own, with and without pixels that were kept.
+fn interrupted<T>(error: RenderError, keeps: bool) -> anyhow::Result<T> {
+    match (error, keeps) {
+        (RenderError::Stopped, true) => Err(Exit::Unwritten.into()),
+        (RenderError::Stopped, false) => Err(Exit::Interrupted.into()),
         (error, _) => Err(error.into()),
     }
 }

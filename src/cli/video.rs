@@ -19,6 +19,7 @@ use super::frames::check_film;
 use super::progress::Mode;
 use super::run_options::start;
 use super::same_file::keep_from_frames;
+use super::temporary::TemporaryFolder;
 use super::{farm, frames, stop};
 
 #[derive(Args, Debug)]
@@ -70,7 +71,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     super::check_stdout()?;
     // ffmpeg has to seek in an .mp4.
-    let folder = tempfile::tempdir().context("cannot make a temporary folder for the film")?;
+    let folder = TemporaryFolder::new().context("cannot make a temporary folder for the film")?;
     let film = folder.path().join("film.mp4");
     make(options, &film).map_err(|error| match error.downcast_ref() {
         // The samples lie in the temporary folder.
@@ -89,10 +90,20 @@ fn make(options: &Options, output: &Path) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (film, spec) = options.film.film()?;
     let codec = codec_of(output)?;
+    if codec.is_none() && FilmQuality::from(options.quality) != FilmQuality::default() {
+        let message = "--quality and --full-chroma are for an .mp4 (--quality also for a .webp); the \
+                       pictures of a folder lose nothing";
+        return Err(Exit::Usage(message.to_string()).into());
+    }
     if options.print_ffmpeg {
         return print(codec, &film, options);
     }
     if options.dry_run {
+        // The check of a folder would make it.
+        if codec.is_some() {
+            let recipe = FilmRecipe { film: &film, document: &film.keys[0].scene, output };
+            farm::check(&recipe, options.quality.into())?;
+        }
         return foresee(film, &spec, options);
     }
     keep_from_frames(&options.film.files(), output)?;
@@ -135,7 +146,7 @@ fn foresee(film: Film, spec: &RunSpec, options: &Options) -> anyhow::Result<()> 
     let samples = Task::new(plan, &options.output)?.samples();
     let secs = f64::from(frames) / fps;
     super::say(&format!("{frames} frames of {width}x{height} at {fps} per second: {secs:.1} s"))?;
-    super::say(&Foresight::of(engine, spec.setting, samples).sentence())?;
+    super::say(&Foresight::of(engine, spec.setting, spec.verify, samples).sentence())?;
     match keeps_samples {
         true => super::say(&format!("--cache: {}", samples_size(samples, channels))),
         false => super::say("no samples are kept, only frames"),

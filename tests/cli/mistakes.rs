@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use crate::program::refused;
 use crate::{error_of, folder, render};
 
 /// Arguments, their exit code, and the words that the error sentence must contain.
@@ -126,4 +127,41 @@ fn every_mistake_gets_a_sentence_a_code_and_leaves_files_alone() {
         assert_eq!(fs::read_to_string(folder.path().join("map.png")).unwrap(), "mine");
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "a stray file was left");
+}
+
+#[test]
+fn run_settings_of_files_are_refused_in_the_files_words() {
+    let folder = folder();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("n.toml", "[run]\naccuracy = \"exac\"\n");
+    let error = refused(&folder, 2, &["render", "n.toml", "-o", "a.png"]);
+    assert!(error.contains("n.toml: in [run], `accuracy` is 'exac'"), "{error}");
+    write("k.toml", "[[key]]\nsecs = 0\n[[key]]\nsecs = 1\n[key.scene.run]\nmethod = \"euler\"\n");
+    let error = refused(&folder, 2, &["video", "k.toml", "-o", "f"]);
+    assert!(error.contains("k.toml: key 2: in [run], `method` is 'euler'"), "{error}");
+    for (text, says) in [
+        ("plane = \"speeds\"", "it must be a table"),
+        ("view = 3", "it must be a table"),
+        ("[pendulum]\nkind = 3", "it must be a text in quotes"),
+        ("[view]\ncenter = [1]", "it has 1 value, not 2"),
+    ] {
+        write("w.toml", text);
+        let error = refused(&folder, 2, &["render", "w.toml", "-o", "a.png"]);
+        assert!(error.contains(says) && !error.contains("struct"), "{text}: {error}");
+    }
+}
+
+#[test]
+fn films_in_which_nothing_changes_are_refused() {
+    let folder = folder();
+    for words in [
+        &["home", "home"][..],
+        &["filigree", "--zoom-to", "filigree"],
+        &["--vary", "gravity=9.81..9.81"],
+        &["--vary", "time=3..3"],
+    ] {
+        let error =
+            refused(&folder, 2, &[&["video"], words, &["--size", "8x6", "-o", "f"]].concat());
+        assert!(error.contains("nothing changes from the first key to the last"), "{error}");
+    }
 }

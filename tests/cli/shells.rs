@@ -184,7 +184,8 @@ fn a_dry_run_says_what_would_be_done_and_does_nothing() {
     );
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.starts_with("80,000 samples at most; at the "), "{said}");
-    assert!(said.contains("-o a.tiff: 58.59 KiB\n--raw a.npz: at most 273.44 KiB\n"), "{said}");
+    assert!(said.contains("-o a.tiff: at most 186.69 KiB\n--raw a.npz: at most "), "{said}");
+    assert!(said.contains("\nmemory: about 3"), "{said}");
     let film = ["--zoom-to", "filigree", "--secs", "2", "--fps", "10", "--size", "64x48"];
     let told = done(&folder, &[&["video", "-o", "z", "--dry-run"], &film[..]].concat());
     assert!(told.starts_with("20 frames of 64x48 at 10 per second: 2.0 s\n"), "{told}");
@@ -200,4 +201,93 @@ fn a_dry_run_says_what_would_be_done_and_does_nothing() {
     done(&folder, &["run", "p.toml", "--shard", "1", "--engine", "cpu"]);
     let told = done(&folder, &["run", "p.toml", "--dry-run"]);
     assert!(told.starts_with("2,304 samples at most; at the "), "{told}");
+}
+
+/// The size in bytes that a dry run tells of an option's output.
+fn told_bytes(said: &str, option: &str) -> f64 {
+    let line = said.lines().find(|line| line.starts_with(option)).unwrap();
+    let size: Vec<&str> = line.rsplit("at most ").next().unwrap().split(' ').collect();
+    let unit = ["B", "KiB", "MiB"].iter().position(|unit| *unit == size[1]).unwrap();
+    size[0].parse::<f64>().unwrap() * 1024f64.powi(unit as i32)
+}
+
+#[test]
+fn no_file_is_larger_than_a_dry_run_says() {
+    let folder = folder();
+    let small =
+        ["render", "--size", "300x200", "--budget", "2", "--engine", "cpu", "--samples", "1"];
+    for (words, option, file) in [
+        (&["--raw", "a.csv"][..], "--raw", "a.csv"),
+        (&["--raw", "b.csv", "--ask", "state", "--at", "1", "--rotate", "30"], "--raw", "b.csv"),
+        (&["--raw", "a.npz", "--rotate", "30"], "--raw", "a.npz"),
+        (&["--raw", "c"], "--raw", "c"),
+        (&["--exr", "a.exr"], "--exr", "a.exr"),
+        (&["--bits", "16", "-o", "a.tiff"], "-o", "a.tiff"),
+        (&["--bits", "16", "--palette", "random-3", "-o", "a.png"], "-o", "a.png"),
+    ] {
+        let said = done(&folder, &[&small[..], words, &["--dry-run"]].concat());
+        done(&folder, &[&small[..], words].concat());
+        let bytes = fs::metadata(folder.path().join(file)).unwrap().len() as f64;
+        let told = told_bytes(&said, option);
+        // Compressed files can be much smaller.
+        let is_packed = [".exr", ".png"].iter().any(|ending| file.ends_with(ending));
+        let is_near = is_packed || told < 2.0 * bytes + 2e5;
+        assert!(bytes <= 1.01 * told && is_near, "{file}: {bytes} and {told}");
+    }
+}
+
+#[test]
+fn a_dry_run_refuses_what_the_run_would_refuse() {
+    let folder = folder();
+    for words in [
+        &["render", "--size", "70000x10", "-o", "x.jpg"][..],
+        &["render", "--size", "4x4", "-o", "nowhere/x.png"],
+        &["video", "--zoom-to", "filigree", "-o", "nowhere/f.mp4"],
+        &["video", "--zoom-to", "filigree", "--quality", "50", "-o", "folder"],
+    ] {
+        let refused = |words: &[&str]| {
+            let output = flipmap(&folder, words);
+            assert!(!output.status.success(), "{words:?}");
+            error_of(&output)
+        };
+        let said = refused(&[words, &["--engine", "cpu", "--dry-run"]].concat());
+        let why = said.lines().last().unwrap();
+        let run = refused(&[words, &["--engine", "cpu"]].concat());
+        assert!(run.lines().last() == Some(why), "{words:?}: {said} {run}");
+        assert!(names_in(&folder).is_empty(), "{words:?}");
+    }
+}
+
+#[test]
+fn errors_of_the_command_line_are_json_too() {
+    let folder = folder();
+    for words in [
+        &["render", "--progress", "json", "--threads", "x", "-o", "a.png"][..],
+        &["video", "--progress=json", "--wdth", "3"],
+    ] {
+        let error = error_of(&flipmap(&folder, words));
+        let object: serde_json::Value = serde_json::from_str(error.trim()).unwrap();
+        assert!(object["error"].as_str().is_some_and(|why| why.contains("--")), "{error}");
+    }
+    let error = error_of(&flipmap(&folder, &["render", "--threads", "1,5", "-o", "a.png"]));
+    assert!(error.contains("it must be a whole number"), "{error}");
+}
+
+#[test]
+fn what_nobody_takes_from_standard_output_is_an_error_of_every_verb() {
+    let folder = folder();
+    let program = env!("CARGO_BIN_EXE_flipmap");
+    for words in [
+        "lab ghost --at 1 -o - >&-",
+        "lab ghost --at 1 --csv - >&-",
+        "plan --size 32x24 --shards 2 --engine cpu -o - >&-",
+        "--help > /dev/full",
+        "man > /dev/full",
+    ] {
+        let command = format!("'{program}' {words}");
+        let output =
+            Command::new("sh").args(["-c", &command]).current_dir(&folder).output().unwrap();
+        let error = error_of(&output);
+        assert!(!output.status.success() && !error.is_empty(), "{words}: {error}");
+    }
 }

@@ -6,6 +6,7 @@ use std::process::Output;
 
 use tempfile::TempDir;
 
+use crate::error_of;
 use crate::program::flipmap;
 
 fn render(folder: &TempDir, arguments: &[&str]) -> Output {
@@ -142,12 +143,6 @@ fn thrown_pendulums_go_on() {
 }
 
 #[test]
-fn deep_views_go_on() {
-    let view = ["trench", "--size", "120x68"];
-    the_view_goes_on(&view, ["--budget", "50"], ["--budget", "60"]);
-}
-
-#[test]
 #[cfg_attr(no_gpu, ignore = "FLIPMAP_NO_GPU=1 declares that there is no adapter")]
 fn on_an_adapter_every_question_goes_on() {
     every_question_goes_on("gpu", "balanced", &[0, 1, 2, 3, 4, 5]);
@@ -233,4 +228,15 @@ fn a_render_that_is_stopped_keeps_what_it_has() {
     assert!(same(&folder, "a.npy", "b.npy"));
     let spent = |object: &serde_json::Value| object["rhs_evaluations"].as_u64().unwrap();
     assert!(spent(&rest) < spent(&whole), "{} of {}", spent(&rest), spent(&whole));
+}
+
+#[test]
+fn pixels_that_have_no_states_are_no_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let words =
+        ["render", "deep", "--size", "40x30", "--engine", "cpu", "--state", "s", "-o", "a.png"];
+    let output = flipmap(&folder, &words);
+    let error = error_of(&output);
+    assert!(output.status.code() == Some(2) && error.contains("flipmap plan splits"), "{error}");
+    assert!(!folder.path().join("s").exists());
 }

@@ -17,7 +17,6 @@ use flipmap_engine::{
 };
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
-use flipmap_pendulum::embedded::Pair;
 use flipmap_scene::{PendulumSpec, Scene};
 
 /// The `lesson` configurations in both precisions, those of `fast` and `balanced`, and expansions.
@@ -54,10 +53,11 @@ fn in_f32(job: Job) -> Job {
     let config = IntegratorConfig { precision: Precision::F32, ..job.config };
     let config = match config.method {
         // f32 is never requested with a method of higher order.
-        Method::Embedded { pair: Pair::Dop853, .. }
-        | Method::Taylor { .. }
-        | Method::Extrapolation { .. } => Accuracy::Fast.configs()[0],
-        Method::Embedded { pair: Pair::Dopri5, .. } | Method::Rk4 { .. } => config,
+        Method::Embedded { pair, .. } if pair.data().order <= 5 => config,
+        Method::Embedded { .. } | Method::Taylor { .. } | Method::Extrapolation { .. } => {
+            Accuracy::Fast.configs()[0]
+        }
+        Method::Rk4 { .. } => config,
     };
     Job { config, ..job }
 }

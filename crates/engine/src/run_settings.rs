@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use super::choice::IntegrationSetting;
 use super::{Accuracy, IntegratorConfig, Method, Precision};
-use flipmap_scene::{RunTable, SceneError, between, decimal_hint, not_among};
+use flipmap_scene::{RunTable, SceneError, between, decimal_hint, not_among, plain_numbers};
 
 /// The resolved settings of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -139,8 +139,9 @@ fn with_step(method: Method, step: &str) -> Result<Method, SceneError> {
     match step_secs {
         Some(step_secs) if STEPS_SECS.contains(&step_secs) => Ok(Method::Rk4 { step_secs }),
         _ => Err(refuse(format!(
-            "it must be seconds {}, as a number or a fraction",
-            between(&STEPS_SECS)
+            "it must be seconds {}, as a number or a fraction{}",
+            between(&STEPS_SECS),
+            decimal_hint(step)
         ))),
     }
 }
@@ -189,7 +190,7 @@ fn set<T, Why: std::fmt::Display>(
 }
 
 fn number(text: &str) -> Option<f64> {
-    text.trim().parse().ok()
+    plain_numbers(text).parse().ok()
 }
 
 #[cfg(test)]

@@ -109,7 +109,7 @@ pub enum DocumentError {
     #[error("{0}")]
     Syntax(String),
     /// A file written by a newer program.
-    #[error("the file has format {found}; this program reads format 1 to {FORMAT}")]
+    #[error("the file has format {found}; this program reads format {FORMAT}")]
     Future {
         /// Format of the file.
         found: String,
@@ -238,19 +238,33 @@ pub fn one_line(error: &toml::de::Error, text: &str) -> String {
 
 /// Returns a message of the parser in the words of people who write files.
 fn in_plain_words(message: &str) -> String {
-    const WORDS: [(&str, &str); 10] = [
+    const WORDS: [(&str, &str); 17] = [
         ("invalid type: ", "it is the "),
         ("invalid value: ", "it is the "),
         (", expected one of ", "; it must be one of "),
         (", expected ", "; it must be "),
         ("unknown variant ", "it is the unknown name "),
         ("unknown field ", "unknown key "),
+        ("must be struct Document", "must be a table of tables, as in [key.scene.view]"),
+        ("must be struct GroundTable", "must be a table, as in colours.unflipped = \"#101018\""),
+        ("wanted string or table", "it must be a text in quotes"),
+        ("must be a sequence", "must be a list, as in [1, 2]"),
+        ("must be an array of length 2", "must be a list of two, as in [1, 2]"),
+        (" as i128", ""),
         ("must be f64", "must be a number"),
         ("must be u32", "must be a whole number"),
+        ("must be a map", "must be a table"),
         ("must be a boolean", "must be true or false"),
         ("must be a string", "must be a text in quotes"),
     ];
     let plain = WORDS.iter().fold(message.to_string(), |text, (from, to)| text.replace(from, to));
+    // The remaining names of Rust's types are those of tables.
+    let plain = match plain.split_once("must be struct ") {
+        Some((before, _)) => {
+            format!("{before}must be a table, with its keys below its name in brackets")
+        }
+        None => plain,
+    };
     let names: Vec<&str> = plain.split('\'').skip(1).step_by(2).collect();
     match names[..] {
         [typed, ref known @ ..] if plain.contains("unknown") => {

@@ -9,7 +9,8 @@ pub(super) fn exactly<'de, D: Deserializer<'de>, T: Deserialize<'de>, const N: u
 ) -> Result<[T; N], D::Error> {
     let found = Vec::<T>::deserialize(from)?;
     let count = found.len();
-    found.try_into().map_err(|_| D::Error::custom(format!("it has {count} values, not {N}")))
+    let values = if count == 1 { "value" } else { "values" };
+    found.try_into().map_err(|_| D::Error::custom(format!("it has {count} {values}, not {N}")))
 }
 
 /// Reads an array of `N` values that may be left out.

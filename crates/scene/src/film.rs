@@ -79,6 +79,12 @@ pub enum FilmError {
         /// Number of the key, from 1.
         number: usize,
     },
+    /// Keys that are all the same.
+    #[error(
+        "nothing changes from the first key to the last, so all frames would be the same: change the \
+         view, the clock or the pendulum, or make one frame"
+    )]
+    Still,
     /// A number of frames that does not last as long as the film.
     #[error(
         "{frames} frames at {fps} per second last {lasts:.2} s, and the film {secs} s: leave out one \
@@ -173,6 +179,10 @@ impl Film {
                 MAX_SAMPLES / 1_000_000
             );
             return Err(SceneError::new("size", value, allowed).into());
+        }
+        let shows = |key: &Key| (key.scene.scene(), key.clock);
+        if self.frames > 1 && self.keys.iter().all(|key| shows(key) == shows(first)) {
+            return Err(FilmError::Still);
         }
         let is_of_flips = self.kind() == FilmKind::Flips;
         for (key, number) in self.keys.iter().zip(1..) {

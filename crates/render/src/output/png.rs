@@ -22,8 +22,8 @@ pub enum PngError {
     Broken(#[from] png::DecodingError),
     /// A PNG by some other program, or one that has lost its scene.
     #[error(
-        "is a PNG without a scene: flipmap did not write it, or a program that saved it again has \
-         left out its '{KEYWORD}' text"
+        "is a PNG without a scene: flipmap did not write it, or its '{KEYWORD}' text was damaged or \
+         left out when it was saved again"
     )]
     Foreign,
     /// A picture of a later version.
@@ -38,7 +38,7 @@ pub enum PngError {
         longest_side: u32,
     },
     /// A text chunk of flipmap's that holds no scene.
-    #[error("has a damaged '{KEYWORD}' text: {0}")]
+    #[error("has a '{KEYWORD}' text that is damaged, or of a newer flipmap: {0}")]
     Text(DocumentError),
 }
 

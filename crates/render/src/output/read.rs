@@ -70,7 +70,8 @@ pub enum ReadError {
     },
     /// A file of no kind that the window opens.
     #[error(
-        "{path} is neither a .png that flipmap wrote, nor a .toml scene, nor a gradient (.{})",
+        "{path} is neither a .png that flipmap wrote, nor a .toml scene, nor a location \
+         (flipmap:center=…), nor a gradient (.{})",
         ENDINGS.join(", .")
     )]
     Kind {

@@ -30,6 +30,8 @@ pub struct RenderClock {
     pub output: Duration,
 }
 
+/// Longest time for which a stop waits for tiles in flight whose pixels are saved.
+const GRACE: Duration = Duration::from_secs(10);
 /// Interval between checks for a request to stop.
 const PATIENCE: Duration = Duration::from_millis(50);
 /// Interval at which bands are offered again to a writer that is behind.
@@ -128,6 +130,22 @@ fn compute(
     keep_going: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<(), RenderError> {
     let mut rows = RowOrder::default();
+    let done = compute_rows(work, engine, &mut rows, &bands, clock, keep_going);
+    if matches!(done, Err(RenderError::Stopped)) {
+        work.save_in_flight(engine, Instant::now() + GRACE)?;
+    }
+    done
+}
+
+/// Computes samples and passes them on until all are done or a stop is asked for.
+fn compute_rows(
+    work: &mut Work,
+    engine: &mut dyn Engine,
+    rows: &mut RowOrder,
+    bands: &SyncSender<Samples>,
+    clock: &mut RenderClock,
+    keep_going: &mut dyn FnMut(&Counts) -> bool,
+) -> Result<(), RenderError> {
     while !work.is_done() {
         let computing = Instant::now();
         let finished = work.work(engine, Some(computing + PATIENCE))?;
@@ -135,7 +153,7 @@ fn compute(
         let mut heed =
             || if keep_going(&work.counts()) { Ok(()) } else { Err(RenderError::Stopped) };
         for samples in finished.into_iter().flat_map(|tile| rows.push(tile)) {
-            if !pass_on(&bands, samples, &mut heed)? {
+            if !pass_on(bands, samples, &mut heed)? {
                 return Ok(());
             }
         }

@@ -26,6 +26,18 @@ pub fn check_feasible(
     })
 }
 
+/// Returns true if the pixels of a picture are followed as cells, so that none has a state from which
+/// a later run could go on.
+pub fn follows_cells(
+    scene: &Scene,
+    size: [u32; 2],
+    config: &IntegratorConfig,
+    cells: Cells,
+) -> bool {
+    let grid = Grid::new(scene, size);
+    grid.cell_plane().is_some() && cells.are_followed(config, grid.pixel_rad())
+}
+
 /// Returns an error if a configuration needs too many steps for a scene's budget.
 pub fn check_steps(scene: &Scene, config: &IntegratorConfig) -> Result<(), EngineError> {
     let question = EventSpec::from(scene);

@@ -42,7 +42,7 @@ pub mod view_target;
 mod work;
 
 pub(crate) use adaptive::PlainPixels;
-pub use feasible::{check_feasible, check_steps};
+pub use feasible::{check_feasible, check_steps, follows_cells};
 pub use opinion::opinion;
 pub use outlook::outlook;
 pub use plan::plan;
@@ -52,4 +52,4 @@ pub use samples::{Counts, Samples};
 pub use saved_pixels::SavedPixels;
 pub use stride::Stride;
 pub(crate) use work::FinishedTile;
-pub use work::Work;
+pub use work::{MIRROR_BYTES, Work};

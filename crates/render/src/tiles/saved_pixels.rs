@@ -60,6 +60,11 @@ impl SavedPixels {
         self.paused.insert(index, state);
     }
 
+    /// Returns true if no pixel is saved.
+    pub fn is_empty(&self) -> bool {
+        self.over.is_empty() && self.failed.is_empty() && self.paused.is_empty()
+    }
+
     /// Number of pixels that can be resumed.
     pub fn paused(&self) -> usize {
         self.paused.len()

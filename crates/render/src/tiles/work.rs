@@ -44,8 +44,11 @@ pub struct Work {
     plain: Option<Arc<PlainPixels>>,
 }
 
+/// Number of tiles, where pixels are saved, in place of one.
+const KEPT_TILES: usize = 8;
+
 /// Maximum size in bytes of a mirrored half, whose samples wait until its rows are due.
-const MIRROR_BYTES: u64 = 320 << 20;
+pub const MIRROR_BYTES: u64 = 320 << 20;
 
 /// Largest number of pixels of a deep tile that is as high as its leaves. Lower bands would follow
 /// each leaf several times.
@@ -121,9 +124,28 @@ impl Work {
     }
 
     /// Continues from the pixels that an earlier run saved, and saves those that a later one needs.
+    /// Takes smaller tiles, of which less is lost in a stop.
     pub(crate) fn keeping(mut self, kept: SavedPixels) -> Self {
+        if let (Some(first), Some(last)) = (self.waiting.front(), self.waiting.back()) {
+            let rows = first.origin[1]..last.origin[1] + last.size[1];
+            let smaller = (first.pixels().count() / KEPT_TILES).max(1);
+            self.waiting = plan(self.grid.size()[0], rows, smaller).into();
+        }
         self.kept = Some(kept);
         self
+    }
+
+    /// Waits until the tiles in flight have come back, so that their pixels are saved, or until
+    /// `deadline`; does nothing if pixels are not saved.
+    pub(crate) fn save_in_flight(
+        &mut self,
+        engine: &mut dyn Engine,
+        deadline: Instant,
+    ) -> Result<(), EngineError> {
+        while self.kept.is_some() && !self.in_flight.is_empty() && Instant::now() < deadline {
+            self.collect(engine, Wait::Until(deadline))?;
+        }
+        Ok(())
     }
 
     /// Takes the samples of plain pixels as known; the run that found them counts as work.

@@ -76,18 +76,32 @@ impl Gradient<'_> {
         let mut stops = Vec::new();
         let mut index = None;
         for (line, text) in &self.lines {
+            // A title can have spaces; a semicolon begins a comment.
+            if ["title=", ";"].into_iter().any(|word| text.starts_with(word)) {
+                continue;
+            }
             for word in text.split_whitespace() {
                 let bad = || bad_line((*line, word), "a whole number");
                 let number = |value: &str| value.parse::<i64>().map_err(|_| bad());
                 match word.split_once('=') {
                     Some(("index", value)) => {
+                        if index.is_some() {
+                            return Err(bad_line(
+                                (*line, text),
+                                "color=… after the index=… before",
+                            ));
+                        }
                         index = Some(number(value)?.rem_euclid(LENGTH as i64) as f64);
                     }
                     Some(("color", value)) => {
                         let [r, g, b, ..] = (number(value)? as u32).to_le_bytes();
-                        stops.extend(index.take().map(|index| (index, [r, g, b])));
+                        let index = index
+                            .take()
+                            .ok_or_else(|| bad_line((*line, text), "index=… before its color=…"))?;
+                        stops.push((index, [r, g, b]));
                     }
-                    _ => {}
+                    Some(("linked" | "numnodes" | "rotation" | "smooth", _)) => {}
+                    _ => return Err(bad_line((*line, word), "index=… or color=…")),
                 }
             }
         }
