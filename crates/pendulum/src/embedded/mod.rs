@@ -8,13 +8,11 @@
 mod dop853;
 mod dopri5;
 mod stages;
-mod tsit5;
 
 pub use dop853::Dop853;
 pub(crate) use dop853::dop853_factor;
 pub use dopri5::Dopri5;
 pub use stages::plus;
-pub use tsit5::Tsit5;
 
 use stages::square;
 
@@ -52,8 +50,6 @@ pub enum Pair {
     Dopri5,
     /// Dormand and Prince's pair of order 8, for everything finer.
     Dop853,
-    /// Tsitouras' pair of orders 5 and 4.
-    Tsit5,
 }
 
 /// What the program knows of a pair.
@@ -110,14 +106,13 @@ pub trait WithPair {
 
 impl Pair {
     /// Every pair, in the order in which they are listed.
-    pub const ALL: [Pair; 3] = [Pair::Dopri5, Pair::Dop853, Pair::Tsit5];
+    pub const ALL: [Pair; 2] = [Pair::Dopri5, Pair::Dop853];
 
     /// Returns what the program knows of the pair.
     pub const fn data(self) -> &'static PairData {
         match self {
             Pair::Dopri5 => &dopri5::DATA,
             Pair::Dop853 => &dop853::DATA,
-            Pair::Tsit5 => &tsit5::DATA,
         }
     }
 
@@ -127,7 +122,6 @@ impl Pair {
         match self {
             Pair::Dopri5 => work.with::<Dopri5>(),
             Pair::Dop853 => work.with::<Dop853>(),
-            Pair::Tsit5 => work.with::<Tsit5>(),
         }
     }
 
