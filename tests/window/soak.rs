@@ -19,6 +19,12 @@ use super::vitals::Watch;
 /// deep views; and up to 150 that the allocator keeps free in the heaps of its threads. After a
 /// lost device, the new one has its tiles before those of the lost one are freed.
 const BESIDE_MIB: f64 = 600.0;
+/// The same after minutes, in MiB. What the program itself holds does not grow (334 MiB, 245 of them
+/// software Vulkan's, after 150 s by heaptrack), but the system's allocator keeps several times as
+/// much of what software Vulkan has freed: at most 1.65 GiB in 20 minutes, with eleven lost devices.
+const BESIDE_LATER_MIB: f64 = 2000.0;
+/// Duration in s up to which the first bound holds.
+const SHORT_SECS: u64 = 60;
 
 /// Keys that neither quit the program nor select from a list by accident.
 const KEYS: [&str; 24] = [
@@ -179,7 +185,8 @@ pub(crate) fn soak() {
     );
     watch.check();
     assert!(mib("cache_bytes") <= f64::from(kept_mib), "more tiles than allowed");
-    assert!(mib("peak_bytes") <= f64::from(kept_mib) + BESIDE_MIB, "too much memory");
+    let beside = if secs <= SHORT_SECS { BESIDE_MIB } else { BESIDE_LATER_MIB };
+    assert!(mib("peak_bytes") <= f64::from(kept_mib) + beside, "too much memory");
     let unexpected: Vec<&str> = ended
         .log
         .lines()

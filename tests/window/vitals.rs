@@ -55,7 +55,8 @@ impl Watch {
         }
     }
 
-    /// Panics if the second half of the time used more handles or threads than the first.
+    /// Panics if the second half of the time used more handles or threads than the first, or half as
+    /// much memory again.
     pub(crate) fn check(&self) {
         let (first, second) = self.looks.split_at(self.looks.len() / 2);
         for (what, of) in [
@@ -65,5 +66,8 @@ impl Watch {
             let [before, after] = [first, second].map(|half| half.iter().map(of).max());
             assert!(after <= before.map(|most| most + Self::LOOSE), "{what}: {:?}", self.looks);
         }
+        let [before, after] =
+            [first, second].map(|half| half.iter().map(|look| look.resident_mib).max());
+        assert!(after <= before.map(|most| most + most / 2), "memory: {:?}", self.looks);
     }
 }
