@@ -137,7 +137,9 @@ fn closing_during_a_film_asks_first_and_the_keys_are_there_again() {
         click(&mut desktop, "Look around");
     }
     let draft = &mut desktop.state_mut().films.draft;
-    (0..2).for_each(|_| draft.add(Document::default()));
+    let mut deep = Document::default();
+    deep.view.width = "0.1".to_string();
+    [Document::default(), deep].into_iter().for_each(|scene| draft.add(scene));
     draft.fps = 24.0;
     draft.path = folder.path().join("long.mp4").display().to_string();
     let keys = draft.keys.clone();
