@@ -1,16 +1,18 @@
 //! What work would take, for `--dry-run`: samples, time by the machine's profile, and bytes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::profile::Profile;
+use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::{Accuracy, EngineKind};
-use flipmap_render::output::Paths;
+use flipmap_render::output::{Paths, Sinks, is_stdout};
 use flipmap_render::tiles::{MIRROR_BYTES, Samples};
 use flipmap_scene::Document;
 use indicatif::{HumanBytes, HumanCount, HumanDuration};
 
+use super::option_names::by_option;
 use super::run_options::EngineOptions;
 
 /// Time of a checked pixel of the home map in that of an unchecked one (README.md, measured).
@@ -65,11 +67,40 @@ impl Foresight {
     }
 }
 
+/// Says what a render would take, by the rate of the home map in the profile.
+pub(super) fn tell_render(
+    engine: &EngineOptions,
+    document: &Document,
+    spec: &RunSpec,
+    paths: &Paths,
+) -> anyhow::Result<()> {
+    let size = spec.size();
+    // Opening the outputs refuses sizes that a format or the memory cannot hold.
+    let is_file = |path: &PathBuf| !is_stdout(path);
+    let files = Paths {
+        picture: paths.picture.clone().filter(is_file),
+        pyramid: paths.pyramid.clone(),
+        raw: paths.raw.clone().filter(is_file),
+        exr: paths.exr.clone().filter(is_file),
+        trust: paths.trust.clone().filter(is_file),
+    };
+    drop(Sinks::open(&files, document, size)?);
+    let [width, height] = document.picture.samples.grid_size(size).map(u64::from);
+    let effort = Foresight::of(engine, spec.setting, spec.verify, width * height);
+    super::say(&effort.sentence())?;
+    super::say(&memory(document, size, paths))?;
+    for (option, path) in by_option(paths) {
+        let file = path.display();
+        super::say(&format!("{option} {file}: {}", file_size(option, path, size, document)))?;
+    }
+    Ok(())
+}
+
 /// Room for the heads of files, their scenes and what surrounds a pyramid.
 const BESIDE_PIXELS: u64 = 128 << 10;
 
 /// Returns the size of an output of `size` pixels in words.
-pub(super) fn file_size(option: &str, path: &Path, size: [u32; 2], document: &Document) -> String {
+fn file_size(option: &str, path: &Path, size: [u32; 2], document: &Document) -> String {
     let [width, height] = size.map(u64::from);
     let pixels = width * height;
     let channels = document.question.ask.kind().channels.len() as u64;
@@ -96,7 +127,7 @@ const OWN_MEMORY: u64 = 300 << 20;
 
 /// Returns the memory that a picture takes, in words: rows are written as they come, but for the
 /// formats that are encoded as a whole, and the half of a symmetric map that waits for its turn.
-pub(super) fn memory(document: &Document, size: [u32; 2], paths: &Paths) -> String {
+fn memory(document: &Document, size: [u32; 2], paths: &Paths) -> String {
     let [width, height] = document.picture.samples.grid_size(size).map(u64::from);
     let sample = Samples::bytes(document.question.ask.kind().channels.len()) as u64;
     let mirrored = if document.scene().is_symmetric() { width * height / 2 * sample } else { 0 };

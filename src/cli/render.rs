@@ -9,9 +9,7 @@ use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::trust::{AccuracyEstimate, Opinion};
 use flipmap_engine::{Accuracy, Cells, Engine, EngineKind, IntegratorConfig, Trust};
-use flipmap_render::output::{
-    Paths, PictureRecipe, RenderError, RenderedPicture, Sinks, is_stdout,
-};
+use flipmap_render::output::{Paths, PictureRecipe, RenderError, RenderedPicture};
 use flipmap_render::tiles::{self, Counts, Renderer, SavedPixels};
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Document, Grid, PixelAxes, Sampling, Scene, location};
@@ -19,7 +17,7 @@ use flipmap_scene::{Document, Grid, PixelAxes, Sampling, Scene, location};
 use super::continued::Continued;
 use super::depth::{depth_object, tell_depth};
 use super::exit::Exit;
-use super::foresight::{Foresight, file_size, memory};
+use super::foresight;
 use super::option_names::by_option;
 use super::options::SceneOptions;
 use super::outputs::OutputOptions;
@@ -70,7 +68,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check(&document.picture)?;
     if options.dry_run {
-        return foresee(options, &document, &spec, &paths);
+        return foresight::tell_render(&options.run.engine, &document, &spec, &paths);
     }
     let mut request =
         options.run.engine.request(spec.setting, spec.verify).answering(&document.question);
@@ -84,12 +82,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         .map_err(|error| Exit::usage(&error))?;
     warn_of_missing_digits(&scene, spec.size());
     if let Some(continued) = &mut continued {
-        if tiles::follows_cells(&scene, spec.size(), &config, options.cells) {
-            let message = "--state cannot be used here, because pixels this close together are \
-                           followed in groups, which have no states: flipmap plan splits the work so \
-                           that finished parts are kept";
-            return Err(Exit::Usage(message.to_string()).into());
-        }
+        check_has_states(&scene, spec.size(), &config, options.cells)?;
         continued.check_ran(chosen.engine.as_ref(), config)?;
     }
     if let Some(weight) = options.picture.weight_of_view(&document) {
@@ -104,8 +97,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let mut renderer = Renderer::try_from(chosen)?;
     announce(renderer.engine(), config, spec.verify, &why);
     let preparing = begun.elapsed();
-    let unit = if document.picture.samples == Sampling::SINGLE { "pixels" } else { "samples" };
-    let watch = CommandLine::new(options.progress, unit, Some(following));
+    let watch = CommandLine::new(options.progress, unit_of(&document), Some(following));
     let mut saved = continued.as_mut().map(Continued::take);
     let rendered = recipe.render(&mut renderer, &mut saved, &watch);
     drop(watch);
@@ -127,33 +119,25 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Says what a render would take, by the rate of the home map in the profile.
-fn foresee(
-    options: &Options,
-    document: &Document,
-    spec: &RunSpec,
-    paths: &Paths,
-) -> anyhow::Result<()> {
-    let size = spec.size();
-    // Opening the outputs refuses sizes that a format or the memory cannot hold.
-    let is_file = |path: &PathBuf| !is_stdout(path);
-    let files = Paths {
-        picture: paths.picture.clone().filter(is_file),
-        pyramid: paths.pyramid.clone(),
-        raw: paths.raw.clone().filter(is_file),
-        exr: paths.exr.clone().filter(is_file),
-        trust: paths.trust.clone().filter(is_file),
-    };
-    drop(Sinks::open(&files, document, size)?);
-    let [width, height] = document.picture.samples.grid_size(size).map(u64::from);
-    let effort = Foresight::of(&options.run.engine, spec.setting, spec.verify, width * height);
-    super::say(&effort.sentence())?;
-    super::say(&memory(document, size, paths))?;
-    for (option, path) in by_option(paths) {
-        let file = path.display();
-        super::say(&format!("{option} {file}: {}", file_size(option, path, size, document)))?;
+/// Returns what progress counts.
+fn unit_of(document: &Document) -> &'static str {
+    if document.picture.samples == Sampling::SINGLE { "pixels" } else { "samples" }
+}
+
+/// Rejects a state of pixels that have none.
+fn check_has_states(
+    scene: &Scene,
+    size: [u32; 2],
+    config: &IntegratorConfig,
+    cells: Cells,
+) -> Result<(), Exit> {
+    if !tiles::follows_cells(scene, size, config, cells) {
+        return Ok(());
     }
-    Ok(())
+    let message = "--state cannot be used here, because pixels this close together are followed in \
+                   groups, which have no states: flipmap plan splits the work so that finished parts \
+                   are kept";
+    Err(Exit::Usage(message.to_string()))
 }
 
 /// Resolves the options, and rejects impossible ones before anything is computed.
