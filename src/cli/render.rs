@@ -59,9 +59,6 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let begun = Instant::now();
-    if options.json {
-        super::check_stdout()?;
-    }
     let (mut document, spec, outputs) = prepare(options)?;
     let (scene, paths) = (document.scene(), outputs.paths());
     let mut continued =
@@ -142,6 +139,9 @@ fn check_has_states(
 
 /// Resolves the options, and rejects impossible ones before anything is computed.
 fn prepare(options: &Options) -> anyhow::Result<(Document, RunSpec, OutputOptions)> {
+    if options.json {
+        super::check_stdout()?;
+    }
     options.run.engine.check()?;
     let mut document = options.scene.document()?;
     let spec = options.run.settle(&mut document)?;
