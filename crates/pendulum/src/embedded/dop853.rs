@@ -184,7 +184,7 @@ impl EmbeddedPair for Dop853 {
     }
 }
 
-/// Factor from the length of a step of [`dop853`] with this error to one whose error is a little
+/// Factor from the length of a step of [`Dop853`] with this error to one whose error is a little
 /// below `allowed`.
 pub(crate) fn dop853_factor(error: f64, allowed: f64) -> f64 {
     0.8 * (allowed / error.max(1e-30)).powf(1.0 / f64::from(DATA.order))
