@@ -1,6 +1,6 @@
 //! Lets Python handle Ctrl-C and progress during long work.
 
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use flipmap::Watch;
@@ -28,9 +28,14 @@ impl Clock {
         Clock { progress, total, state }
     }
 
+    /// Returns the exception that Python raised during the work.
+    pub(crate) fn into_raised(self) -> Option<PyErr> {
+        self.state.into_inner().unwrap_or_else(PoisonError::into_inner).raised
+    }
+
     /// Reports the end of the work, or returns the exception that Python raised during it.
     pub(crate) fn finish(self, py: Python<'_>) -> PyResult<()> {
-        let state = self.state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let state = self.state.into_inner().unwrap_or_else(PoisonError::into_inner);
         match (state.raised, self.progress) {
             (Some(error), _) => Err(error),
             (None, Some(progress)) => progress.call1(py, (self.total, self.total)).map(drop),

@@ -11,7 +11,8 @@ use flipmap_render::farm::{
 };
 use flipmap_render::film::ffmpeg::{Codec, Encoding, FilmQuality};
 use flipmap_render::film::{FilmRecipe, FilmRenderError, check_film, settle_colours};
-use flipmap_render::output::read_text;
+use flipmap_render::output::{holds_keys, read_text};
+use flipmap_scene::View;
 use flipmap_scene::film::{Film, FilmError, FilmKind};
 use flipmap_scene::film_length::{FilmLength, home_before, zoom_through};
 use flipmap_scene::keys::{Key, Keys};
@@ -50,7 +51,9 @@ pub(crate) fn film<'py>(
     run: Run,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    check_name(&making.output)?;
+    let output = making.output.display();
+    Codec::of_film(&making.output)
+        .map_err(|why| value_error(format!("`output` is '{output}'; {why}")))?;
     let (film, spec) = planned(keys(&making.scenes, &words)?, &making, &run)?;
     let request = run.request(&spec)?.answering(&film.keys[0].scene.question);
     refuse_after_fork()?;
@@ -63,35 +66,26 @@ pub(crate) fn film<'py>(
     let clock = Clock::new(progress, u64::from(film.frames));
     let work = Work { film, making: &making, request, verify: spec.verify };
     let done = py.detach(|| work.make(&clock));
+    // What Python raised is the reason for a stop.
+    let engine = match done {
+        Ok(engine) => engine,
+        Err(error) => return Err(clock.into_raised().unwrap_or(error)),
+    };
     clock.finish(py)?;
-    made.set_item("engine", done?)?;
+    made.set_item("engine", engine)?;
     made.set_item("seconds", begun.elapsed().as_secs_f64())?;
     Ok(made)
-}
-
-/// Refuses an ending that is not one of a film.
-fn check_name(output: &Path) -> PyResult<()> {
-    if Codec::of(output).is_none() && output.extension().is_some() && !output.is_dir() {
-        return Err(value_error(format!(
-            "`output` is '{}'; a film is an .mp4, an .mkv (lossless), a .gif, a .webp, or a folder of \
-             numbered pictures",
-            output.display()
-        )));
-    }
-    Ok(())
 }
 
 /// Returns the keys of a file or a text of keys, or those of a zoom: through several scenes, or from
 /// the whole map to one.
 fn keys(scenes: &[String], words: &[(String, String)]) -> PyResult<Vec<Key>> {
-    let of_view = |name: &str| {
-        let view = [Setting::Center, Setting::Width, Setting::Rotate, Setting::Stretch];
-        view.into_iter().any(|setting| setting.name() == name)
-    };
+    let of_view =
+        |name: &str| Setting::named(name).is_some_and(|word| View::SETTINGS.contains(&word));
     let load = |name: &String| document(Some(name), words);
     if let [scene] = scenes
         && !scene.contains("[[key]]")
-        && !is_keys(Path::new(scene))
+        && !holds_keys(Path::new(scene))
     {
         let mut last = load(scene)?;
         // These times suit the view at the end, not the zoom towards it.
@@ -115,12 +109,6 @@ fn keys(scenes: &[String], words: &[(String, String)]) -> PyResult<Vec<Key>> {
         }
         _ => Ok(zoom_through(scenes.iter().map(load).collect::<PyResult<_>>()?)),
     }
-}
-
-/// Returns true if a file holds keys and not a scene.
-fn is_keys(path: &Path) -> bool {
-    let is_toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
-    is_toml && read_text(path).is_ok_and(|text| text.contains("[[key]]"))
 }
 
 /// Returns the film of keys, and the settings of its run.

@@ -89,11 +89,14 @@ const MAX_LINE_CHARACTERS: usize = 400;
 /// Prints clap's help, or its error, cleaned like any other, and exits with clap's code.
 pub(super) fn leave(error: &clap::Error) -> ! {
     if !error.use_stderr() {
-        let printed = error.print();
-        if let Err(why) = &printed {
-            tell_error(&format!("cannot write standard output: {why}"));
-        }
-        std::process::exit(i32::from(printed.is_err()))
+        let code = match error.print() {
+            Err(why) if why.kind() != io::ErrorKind::BrokenPipe => {
+                tell_error(&format!("cannot write standard output: {why}"));
+                1
+            }
+            _ => 0,
+        };
+        std::process::exit(code)
     }
     let text = error.render().to_string();
     let lines: Vec<String> = text.lines().map(|line| shortened(&in_our_words(line))).collect();
@@ -150,25 +153,27 @@ impl Exit {
     }
 }
 
-/// Describes an error and its causes, outermost first, and calls each setting by its option. An
-/// error that only repeats its cause is left out.
+/// Describes an error and its causes, outermost first, and calls each setting by its option. What an
+/// error repeats of its cause is said once.
 fn with_options(error: &(dyn Error + 'static)) -> String {
     let causes = std::iter::successors(Some(error), |cause| (*cause).source());
-    let repeats = |cause: &&(dyn Error + 'static)| {
-        cause.source().is_some_and(|source| source.to_string() == cause.to_string())
-    };
-    let said = causes.filter(|cause| !repeats(cause)).map(|cause| {
-        if let Some(error) = cause.downcast_ref::<SceneError>() {
-            return error.called(&option_of(error.setting));
-        }
-        match cause.downcast_ref() {
-            Some(OutputError::Create { setting, name, .. }) => {
-                format!("{}: cannot write {name}", option_of(setting))
-            }
-            _ => cause.to_string(),
-        }
+    let said = causes.map(|cause| match cause.downcast_ref::<SceneError>() {
+        Some(error) => error.called(&option_of(error.setting)),
+        None => without_its_cause(cause),
     });
-    said.collect::<Vec<_>>().join(": ")
+    said.filter(|words| !words.is_empty()).collect::<Vec<_>>().join(": ")
+}
+
+fn without_its_cause(error: &(dyn Error + 'static)) -> String {
+    if let Some(OutputError::Create { setting, name, .. }) = error.downcast_ref() {
+        return format!("{}: cannot write {name}", option_of(setting));
+    }
+    let words = error.to_string();
+    let cause = error.source().map(ToString::to_string);
+    match cause.and_then(|cause| words.strip_suffix(&cause).map(str::to_string)) {
+        Some(words) => words.trim_end_matches([':', ' ']).to_string(),
+        None => words,
+    }
 }
 
 fn code_of(error: &anyhow::Error) -> u8 {
@@ -212,6 +217,7 @@ fn code_of(error: &anyhow::Error) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flipmap_render::farm::FilmSamplesError;
     use flipmap_render::output::{Destination, RenderError};
 
     #[test]
@@ -238,6 +244,13 @@ mod tests {
         let source = io::Error::other("full");
         let created = OutputError::Create { setting: "output", name, source };
         assert_eq!(with_options(&RenderError::from(created)), "-o: cannot write map.png: full");
+    }
+
+    #[test]
+    fn what_an_error_repeats_of_its_cause_is_said_once() {
+        let source = io::Error::other("full");
+        let kept = FilmSamplesError::Write { folder: "f.samples".into(), source };
+        assert_eq!(with_options(&kept), "cannot keep samples in f.samples: full");
     }
 
     #[test]

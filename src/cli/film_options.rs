@@ -7,7 +7,7 @@ use std::str::FromStr;
 use clap::Args;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_numbers::Decimal;
-use flipmap_render::output::read_text;
+use flipmap_render::output::{holds_keys, read_text};
 use flipmap_scene::film::Film;
 use flipmap_scene::film_length::{FilmLength, home_before, zoom_through};
 use flipmap_scene::keys::{Easing, Key, Keys};
@@ -56,7 +56,8 @@ const SECS_IN_PLACE: f64 = 10.0;
 impl FilmOptions {
     /// Returns true if the options describe a film and not a still.
     pub(super) fn says_film(&self) -> bool {
-        let one_scene = self.scenes.len() < 2 && !self.scenes.iter().any(|name| is_keys(name));
+        let one_scene =
+            self.scenes.len() < 2 && !self.scenes.iter().any(|name| holds_keys(Path::new(name)));
         let said = [&self.vary, &self.zoom_to, &self.secs, &self.frames, &self.fps];
         !one_scene || said.into_iter().any(Option::is_some)
     }
@@ -181,11 +182,6 @@ fn number_or_ratio(text: &str) -> Option<f64> {
 
 fn is_toml(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
-}
-
-/// Returns true if a file holds keys and not a scene.
-fn is_keys(name: &str) -> bool {
-    is_toml(name) && read_text(Path::new(name)).is_ok_and(|text| text.contains("[[key]]"))
 }
 
 fn read_keys(name: &str) -> Result<Vec<Key>, Exit> {

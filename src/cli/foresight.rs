@@ -1,14 +1,14 @@
 //! What work would take, for `--dry-run`: samples, time by the machine's profile, and bytes.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::profile::Profile;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::{Accuracy, EngineKind};
-use flipmap_render::output::{Paths, Sinks, is_stdout};
-use flipmap_render::tiles::{MIRROR_BYTES, Samples};
+use flipmap_render::output::{Paths, Sinks, is_stdout, whole_bytes};
+use flipmap_render::tiles::{Samples, mirrored_bytes};
 use flipmap_scene::Document;
 use indicatif::{HumanBytes, HumanCount, HumanDuration};
 
@@ -76,14 +76,10 @@ pub(super) fn tell_render(
 ) -> anyhow::Result<()> {
     let size = spec.size();
     // Opening the outputs refuses sizes that a format or the memory cannot hold.
-    let is_file = |path: &PathBuf| !is_stdout(path);
-    let files = Paths {
-        picture: paths.picture.clone().filter(is_file),
-        pyramid: paths.pyramid.clone(),
-        raw: paths.raw.clone().filter(is_file),
-        exr: paths.exr.clone().filter(is_file),
-        trust: paths.trust.clone().filter(is_file),
-    };
+    let mut files = paths.clone();
+    for path in [&mut files.picture, &mut files.raw, &mut files.exr, &mut files.trust] {
+        path.take_if(|path| is_stdout(path));
+    }
     drop(Sinks::open(&files, document, size)?);
     let [width, height] = document.picture.samples.grid_size(size).map(u64::from);
     let effort = Foresight::of(engine, spec.setting, spec.verify, width * height);
@@ -128,17 +124,10 @@ const OWN_MEMORY: u64 = 300 << 20;
 /// Returns the memory that a picture takes, in words: rows are written as they come, but for the
 /// formats that are encoded as a whole, and the half of a symmetric map that waits for its turn.
 fn memory(document: &Document, size: [u32; 2], paths: &Paths) -> String {
-    let [width, height] = document.picture.samples.grid_size(size).map(u64::from);
-    let sample = Samples::bytes(document.question.ask.kind().channels.len()) as u64;
-    let mirrored = if document.scene().is_symmetric() { width * height / 2 * sample } else { 0 };
-    let is_whole = |path: &&Path| {
-        ["jpg", "jpeg", "webp"]
-            .into_iter()
-            .any(|ending| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending)))
-    };
-    let wholes = paths.named().into_iter().filter(|(_, path)| is_whole(path)).count() as u64;
-    let pixels = size.map(u64::from).iter().product::<u64>();
-    let bytes = OWN_MEMORY + mirrored.min(MIRROR_BYTES) + 6 * pixels * wholes;
+    let mirrored = mirrored_bytes(&document.scene(), document.picture.samples.grid_size(size));
+    let wholes = [&paths.picture, &paths.trust].into_iter().flatten();
+    let wholes: u64 = wholes.map(|path| whole_bytes(path, size)).sum();
+    let bytes = OWN_MEMORY + mirrored.unwrap_or(0) + wholes;
     format!("memory: about {}", HumanBytes(bytes))
 }
 

@@ -15,7 +15,8 @@ use super::run_options::start;
 use super::watch::CommandLine;
 use super::{farm, stop, video};
 
-/// Computes a film frame by frame and writes it to `output`; frames that are there already are not made again.
+/// Computes a film frame by frame and writes it to `output`; frames that are there already are not
+/// made again.
 pub(super) fn run(
     options: &video::Options,
     output: &Path,

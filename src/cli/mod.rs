@@ -35,7 +35,6 @@ mod size;
 mod spread;
 pub(crate) mod stop;
 mod suggested;
-mod temporary;
 mod trace;
 mod version;
 mod video;

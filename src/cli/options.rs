@@ -6,7 +6,7 @@ use clap::builder::Resettable;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_render::output::named_document;
-use flipmap_scene::{BuiltIn, Document, RunTable, SceneError, Setting, plain_numbers};
+use flipmap_scene::{BuiltIn, Document, RunTable, SceneError, Setting, View, plain_numbers};
 
 use super::exit::Exit;
 use super::same_file::Named;
@@ -98,12 +98,14 @@ impl SceneWords {
 
     /// Returns true if an option of the view was given.
     pub(super) fn says_view(&self) -> bool {
-        self.0.iter().any(|(said, _)| is_of_view(*said))
+        self.0.iter().any(|(said, _)| View::SETTINGS.contains(said))
     }
 
     /// Returns the options without those of the view.
     pub(super) fn without_view(&self) -> SceneWords {
-        SceneWords(self.0.iter().filter(|(said, _)| !is_of_view(*said)).cloned().collect())
+        SceneWords(
+            self.0.iter().filter(|(said, _)| !View::SETTINGS.contains(said)).cloned().collect(),
+        )
     }
 
     /// Returns true if the option of a setting was given.
@@ -117,10 +119,6 @@ impl SceneWords {
         let scene = document.scene().with_words(words)?;
         Ok(document.with_scene(scene))
     }
-}
-
-fn is_of_view(setting: Setting) -> bool {
-    matches!(setting, Setting::Center | Setting::Width | Setting::Rotate | Setting::Stretch)
 }
 
 fn scene_help() -> String {

@@ -125,7 +125,7 @@ pub(super) struct MergeOptions {
 pub(super) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
     options.film.run.engine.check()?;
     let (mut what, spec) = what(options)?;
-    check_overwrites_only_plans("-o", &options.output)?;
+    check_overwrites_only_plans(&options.output)?;
     if options.output.extension().is_some_and(|ending| ending == "parts") {
         let message =
             "-o names a plan, and .parts is the ending of the folder beside it: name a .toml";
@@ -195,7 +195,7 @@ fn foresee(
 }
 
 /// Refuses to overwrite a file that is not a plan: keys and scenes are TOML too.
-pub(super) fn check_overwrites_only_plans(option: &str, path: &Path) -> Result<(), Exit> {
+fn check_overwrites_only_plans(path: &Path) -> Result<(), Exit> {
     if !path.is_file() {
         return Ok(());
     }
@@ -203,7 +203,7 @@ pub(super) fn check_overwrites_only_plans(option: &str, path: &Path) -> Result<(
     match text.map(|text| Plan::parse(&text)) {
         None | Some(Err(PlanError::Syntax(_))) => {
             let file = path.display();
-            Err(Exit::Usage(format!("{option} {file} already exists and is not a plan")))
+            Err(Exit::Usage(format!("-o {file} already exists and is not a plan")))
         }
         Some(_) => Ok(()),
     }

@@ -128,7 +128,7 @@ fn check_has_states(
     config: &IntegratorConfig,
     cells: Cells,
 ) -> Result<(), Exit> {
-    if !tiles::follows_cells(scene, size, config, cells) {
+    if !tiles::follows_cells(&Grid::new(scene, size), config, cells) {
         return Ok(());
     }
     let message = "--state cannot be used here, because pixels this close together are followed in \

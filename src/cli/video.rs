@@ -10,6 +10,7 @@ use flipmap_engine::run_settings::RunSpec;
 use flipmap_render::farm::{FilmSamples, FilmSamplesError, Plan, PlannedOutput, Task};
 use flipmap_render::film::FilmRecipe;
 use flipmap_render::film::ffmpeg::{Codec, FilmQuality, arguments, tried};
+use flipmap_render::output::UnfinishedFolder;
 use flipmap_scene::film::{Film, FilmKind};
 
 use super::exit::Exit;
@@ -19,7 +20,6 @@ use super::frames::check_film;
 use super::progress::Mode;
 use super::run_options::start;
 use super::same_file::keep_from_frames;
-use super::temporary::TemporaryFolder;
 use super::{farm, frames, stop};
 
 #[derive(Args, Debug)]
@@ -71,7 +71,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     super::check_stdout()?;
     // ffmpeg has to seek in an .mp4.
-    let folder = TemporaryFolder::new().context("cannot make a temporary folder for the film")?;
+    let folder = UnfinishedFolder::create_in(&std::env::temp_dir())
+        .context("cannot make a temporary folder for the film")?;
     let film = folder.path().join("film.mp4");
     make(options, &film).map_err(|error| match error.downcast_ref() {
         // The samples lie in the temporary folder.
@@ -169,18 +170,8 @@ fn samples(options: &Options, output: &Path) -> Result<FilmSamples, Exit> {
 
 /// Returns the codec for the extension of a file name, or `None` for a folder.
 pub(super) fn codec_of(output: &Path) -> Result<Option<Codec>, Exit> {
-    let codec = Codec::of(output);
-    let ending = output.extension().is_some() && !output.is_dir();
-    // The samples' folder is named after the output; `/` and `..` have no name.
-    let nameless = output.file_name().is_none();
-    if codec.is_none() && (ending || nameless || output.as_os_str() == "-") {
-        return Err(Exit::Usage(format!(
-            "-o {}: a film is an .mp4, an .mkv (lossless), a .gif, a .webp, or a folder of numbered \
-             pictures",
-            output.display()
-        )));
-    }
-    Ok(codec)
+    let refuse = |why| Exit::Usage(format!("-o {}: {why}", output.display()));
+    Codec::of_film(output).map_err(refuse)
 }
 
 fn print(codec: Option<Codec>, film: &Film, options: &Options) -> anyhow::Result<()> {

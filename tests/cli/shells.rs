@@ -274,6 +274,20 @@ fn errors_of_the_command_line_are_json_too() {
 }
 
 #[test]
+fn help_that_is_not_read_to_its_end_is_no_error() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_flipmap"))
+        .args(["render", "--help"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The pipe is closed before the program has begun to write.
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", error_of(&output));
+}
+
+#[test]
 fn what_nobody_takes_from_standard_output_is_an_error_of_every_verb() {
     let folder = folder();
     let program = env!("CARGO_BIN_EXE_flipmap");

@@ -20,6 +20,7 @@
 //! use flipmap_engine::EventSpec;
 //! use flipmap_numbers::Dd;
 //! use flipmap_pendulum::Rule;
+//! use flipmap_pendulum::embedded::Dop853;
 //! use flipmap_scene::PendulumSpec;
 //!
 //! let build = PendulumSpec::default();

@@ -140,8 +140,8 @@ impl Film {
     pub const SAMPLES: Sampling = Sampling::Square(2);
 
     /// Gives all keys the picture and the run of the first and views that fill the frames, refuses
-    /// keys that do not make a film, and settles the others' budgets. Each key must have been checked
-    /// by itself before.
+    /// keys that do not make a film, and settles what the others leave open. Each key must have been
+    /// checked by itself before.
     pub fn settled(mut self) -> Result<Self, FilmError> {
         let size = self.size.map(f64::from);
         if let [first, others @ ..] = &mut self.keys[..] {

@@ -61,6 +61,10 @@ fn shortened(text: &str) -> String {
 const SHOWN: usize = 60;
 
 impl View {
+    /// The settings that make a view.
+    pub const SETTINGS: [Setting; 4] =
+        [Setting::Center, Setting::Width, Setting::Rotate, Setting::Stretch];
+
     /// Returns the view with its coordinates as decimal numbers in the units of these axes: a file
     /// may have them as a person writes them.
     #[must_use]

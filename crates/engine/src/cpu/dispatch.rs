@@ -98,12 +98,13 @@ impl ChunkInFlight<'_> {
         }
     }
 
-    /// The pair by which adaptive steps are taken; fixed steps use none.
+    /// The pair by which adaptive steps are taken; fixed steps use none, so any will do.
     fn paired(&self) -> Pair {
         match self.chunk.config.method {
             Method::Embedded { pair, .. } => pair,
-            Method::Rk4 { .. } | Method::Taylor { .. } | Method::Extrapolation { .. } => {
-                Pair::Dop853
+            Method::Rk4 { .. } => Pair::Dop853,
+            Method::Taylor { .. } | Method::Extrapolation { .. } => {
+                unreachable!("these have steps of their own, or are refused with the job")
             }
         }
     }

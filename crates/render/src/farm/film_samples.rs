@@ -37,6 +37,7 @@ pub enum FilmSamplesError {
 /// A folder that keeps a film's samples: they are there again after a stop, and for other colours.
 #[derive(Debug)]
 pub struct FilmSamples {
+    folder: PathBuf,
     plan: PathBuf,
 }
 
@@ -52,6 +53,11 @@ impl FilmSamples {
     /// film did not write.
     pub fn open(folder: &Path) -> Result<Self, FilmSamplesError> {
         let plan = folder.join("plan.toml");
+        let is_film =
+            || plan.is_file() && read_text(&plan).is_ok_and(|text| Plan::is_kept_by_film(&text));
+        if plan.exists() && !is_film() {
+            return Err(FilmSamplesError::Foreign(plan));
+        }
         let made = fs::create_dir_all(folder)
             .and_then(|()| SafeFile::check(&Destination::File(plan.clone())));
         made.map_err(|source| match source.kind() {
@@ -61,10 +67,7 @@ impl FilmSamples {
             }
             _ => FilmSamplesError::Write { folder: folder.to_path_buf(), source },
         })?;
-        if plan.is_file() && !read_text(&plan).is_ok_and(|text| Plan::is_kept_by_film(&text)) {
-            return Err(FilmSamplesError::Foreign(plan));
-        }
-        Ok(FilmSamples { plan })
+        Ok(FilmSamples { folder: folder.to_path_buf(), plan })
     }
 
     /// Returns the plan's file.
@@ -87,10 +90,7 @@ impl FilmSamples {
         let engine = (chosen.engine.as_ref(), chosen.config, verify);
         let plan = Plan::new(PlannedOutput::Film(film), 1, engine, false);
         SafeFile::write_whole(&Destination::File(self.plan.clone()), plan.text().as_bytes())
-            .map_err(|source| FilmSamplesError::Write {
-                folder: self.plan.with_file_name(""),
-                source,
-            })?;
+            .map_err(|source| FilmSamplesError::Write { folder: self.folder.clone(), source })?;
         Ok(Task::new(plan, &self.plan)?)
     }
 }

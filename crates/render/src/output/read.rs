@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::ending::ends_in;
 use super::png::{PngError, document_in_png};
-use flipmap_engine::plain_file::{MAX_TEXT_BYTES, open_plain};
+use flipmap_engine::plain_file::{MAX_TEXT_BYTES, open_plain, read_text};
 use flipmap_scene::palette::gradient_file::ENDINGS;
 use flipmap_scene::{BuiltIn, Document, DocumentError, location};
 
@@ -156,12 +156,20 @@ fn document_in(mut file: impl BufRead + Seek, path: &Path) -> Result<Document, R
         Err(location::LocationError::Foreign) => {}
         Err(why) => return Err(ReadError::Location { why }),
     }
-    let is_gradient = ENDINGS.into_iter().any(|ending| ends_in(path, ending));
-    Document::parse(text).map_err(|why| match is_scene || text.contains('=') {
-        _ if is_gradient => ReadError::Gradient { path: named() },
-        true => ReadError::Scene { path: named(), why },
-        false => ReadError::Kind { path: named() },
+    Document::parse(text).map_err(|why| {
+        if ENDINGS.into_iter().any(|ending| ends_in(path, ending)) {
+            ReadError::Gradient { path: named() }
+        } else if is_scene || text.contains('=') {
+            ReadError::Scene { path: named(), why }
+        } else {
+            ReadError::Kind { path: named() }
+        }
     })
+}
+
+/// Returns true for a file that holds the keys of a film and not a scene.
+pub fn holds_keys(path: &Path) -> bool {
+    ends_in(path, "toml") && read_text(path).is_ok_and(|text| text.contains("[[key]]"))
 }
 
 #[cfg(test)]

@@ -129,8 +129,7 @@ fn compute(
     clock: &mut RenderClock,
     keep_going: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<(), RenderError> {
-    let mut rows = RowOrder::default();
-    let done = compute_rows(work, engine, &mut rows, &bands, clock, keep_going);
+    let done = compute_rows(work, engine, &bands, clock, keep_going);
     if matches!(done, Err(RenderError::Stopped)) {
         work.save_in_flight(engine, Instant::now() + GRACE)?;
     }
@@ -141,11 +140,11 @@ fn compute(
 fn compute_rows(
     work: &mut Work,
     engine: &mut dyn Engine,
-    rows: &mut RowOrder,
     bands: &SyncSender<Samples>,
     clock: &mut RenderClock,
     keep_going: &mut dyn FnMut(&Counts) -> bool,
 ) -> Result<(), RenderError> {
+    let mut rows = RowOrder::default();
     while !work.is_done() {
         let computing = Instant::now();
         let finished = work.work(engine, Some(computing + PATIENCE))?;

@@ -99,6 +99,11 @@ pub(super) struct WholePicture {
 }
 
 impl WholePicture {
+    /// Returns the memory that a picture takes: its pixels, and at most as many bytes for the file.
+    fn bytes(size: [u32; 2]) -> u64 {
+        6 * size.map(u64::from).iter().product::<u64>()
+    }
+
     /// Begins a picture; refuses a size that the format or the memory cannot hold.
     pub(super) fn new(file: SafeFile, format: WholeFormat, size: [u32; 2]) -> io::Result<Self> {
         let WholeLimits { ending, longest, .. } = format.limits();
@@ -107,8 +112,7 @@ impl WholePicture {
                 ".{ending} holds at most {longest} pixels along a side: name a .png or a .tiff"
             )));
         }
-        // The pixels, and at most as many bytes for the file.
-        let needed = 6 * size.map(u64::from).iter().product::<u64>();
+        let needed = WholePicture::bytes(size);
         if let Some(free) = available_bytes().filter(|free| needed > *free) {
             return Err(io::Error::other(format!(
                 ".{ending} is encoded as a whole, for which {:.1} GiB of memory are needed and {:.1} \
@@ -131,6 +135,15 @@ impl WholePicture {
         let bytes = encoded.map_err(io::Error::other)?;
         self.file.write_all(&bytes)?;
         Ok(self.file)
+    }
+}
+
+/// Returns the memory in bytes that a picture of this name takes if its format is encoded as a whole;
+/// 0 if it is written as its rows come.
+pub fn whole_bytes(path: &Path, size: [u32; 2]) -> u64 {
+    match PictureFormat::of(path) {
+        Ok(PictureFormat::Whole(_)) => WholePicture::bytes(size),
+        Ok(PictureFormat::Png | PictureFormat::Tiff) | Err(_) => 0,
     }
 }
 

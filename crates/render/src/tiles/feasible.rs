@@ -26,15 +26,9 @@ pub fn check_feasible(
     })
 }
 
-/// Returns true if the pixels of a picture are followed as cells, so that none has a state from which
-/// a later run could go on.
-pub fn follows_cells(
-    scene: &Scene,
-    size: [u32; 2],
-    config: &IntegratorConfig,
-    cells: Cells,
-) -> bool {
-    let grid = Grid::new(scene, size);
+/// Returns true if the pixels of a grid are followed as cells, so that none has a state from which a
+/// later run could go on.
+pub fn follows_cells(grid: &Grid, config: &IntegratorConfig, cells: Cells) -> bool {
     grid.cell_plane().is_some() && cells.are_followed(config, grid.pixel_rad())
 }
 

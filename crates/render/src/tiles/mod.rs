@@ -52,4 +52,4 @@ pub use samples::{Counts, Samples};
 pub use saved_pixels::SavedPixels;
 pub use stride::Stride;
 pub(crate) use work::FinishedTile;
-pub use work::{MIRROR_BYTES, Work};
+pub use work::{Work, mirrored_bytes};

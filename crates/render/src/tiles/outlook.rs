@@ -1,6 +1,7 @@
 //! Estimates the accuracy of an unchecked picture from a sample of its pixels.
 
 use super::direct_check::{AnsweredPixel, DirectCheck};
+use super::feasible::follows_cells;
 use super::open_tile::OpenTile;
 use super::reader::Reader;
 use flipmap_engine::trust::{AccuracyEstimate, Opinion};
@@ -28,7 +29,7 @@ pub fn outlook(
     keep_going: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<AccuracyEstimate>, EngineError> {
     let grid = Grid::new(scene, size);
-    let is_deep = grid.cell_plane().is_some() && cells.are_followed(&config, grid.pixel_rad());
+    let is_deep = follows_cells(&grid, &config, cells);
     let together = if is_deep { TOGETHER } else { 1 };
     let pixels: Vec<[u32; 2]> = (0..SAMPLE).map(|place| pixel(size, place, together)).collect();
     let open = OpenTile::of_pixels(&grid, config, cells, &pixels, |_| None);

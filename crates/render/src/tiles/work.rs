@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::adaptive::PlainPixels;
+use super::feasible::follows_cells;
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::OpenTile;
 use super::plan::{Tile, plan};
@@ -48,7 +49,15 @@ pub struct Work {
 const KEPT_TILES: usize = 8;
 
 /// Maximum size in bytes of a mirrored half, whose samples wait until its rows are due.
-pub const MIRROR_BYTES: u64 = 320 << 20;
+const MIRROR_BYTES: u64 = 320 << 20;
+
+/// Returns the size in bytes of the half of a symmetric map of these columns and rows, which is not
+/// computed but waits until its rows are due; `None` if all is computed.
+pub fn mirrored_bytes(scene: &Scene, [columns, rows]: [u32; 2]) -> Option<u64> {
+    let half = u64::from(columns) * u64::from(rows) / 2;
+    let bytes = half * Samples::bytes(scene.question.ask.kind().channels.len()) as u64;
+    (scene.is_symmetric() && bytes <= MIRROR_BYTES).then_some(bytes)
+}
 
 /// Largest number of pixels of a deep tile that is as high as its leaves. Lower bands would follow
 /// each leaf several times.
@@ -74,9 +83,7 @@ impl Work {
         tile_pixels: usize,
     ) -> Self {
         let [columns, rows] = sampling.grid_size(size);
-        let half = u64::from(columns) * u64::from(rows) / 2;
-        let bytes = Samples::bytes(scene.question.ask.kind().channels.len());
-        let mirrored = scene.is_symmetric() && half * bytes as u64 <= MIRROR_BYTES;
+        let mirrored = mirrored_bytes(scene, [columns, rows]).is_some();
         let rows = if mirrored { rows.div_ceil(2) } else { rows };
         Work { mirrored, ..Work::of_rows(scene, (size, sampling), config, tile_pixels, 0..rows) }
     }
@@ -128,7 +135,8 @@ impl Work {
     pub(crate) fn keeping(mut self, kept: SavedPixels) -> Self {
         if let (Some(first), Some(last)) = (self.waiting.front(), self.waiting.back()) {
             let rows = first.origin[1]..last.origin[1] + last.size[1];
-            let smaller = (first.pixels().count() / KEPT_TILES).max(1);
+            let [width, height] = first.size.map(|side| side as usize);
+            let smaller = (width * height / KEPT_TILES).max(1);
             self.waiting = plan(self.grid.size()[0], rows, smaller).into();
         }
         self.kept = Some(kept);
@@ -208,8 +216,7 @@ impl Work {
 
     /// Returns true if the pixels are followed as cells.
     fn follows_cells(&self) -> bool {
-        self.grid.cell_plane().is_some()
-            && self.cells.are_followed(&self.config, self.grid.pixel_rad())
+        follows_cells(&self.grid, &self.config, self.cells)
     }
 
     /// Sorts the pixels of a tile into known samples and starts.

@@ -18,6 +18,11 @@ pub enum Codec {
     WebP,
 }
 
+/// A name that no film can have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a film is an .mp4, an .mkv (lossless), a .gif, a .webp, or a folder of numbered pictures")]
+pub struct NoFilmName;
+
 /// How well a lossy film keeps its frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmQuality {
@@ -46,6 +51,15 @@ const MAX_CRF: f64 = 51.0;
 const WEBP_QUALITY: u8 = 90;
 
 impl Codec {
+    /// Returns the codec of a film by its name, or `None` for a folder of numbered pictures; refuses
+    /// other names. `/` and `..`, beside which no samples could lie, name no film.
+    pub fn of_film(path: &Path) -> Result<Option<Codec>, NoFilmName> {
+        let codec = Codec::of(path);
+        let is_other = path.extension().is_some() && !path.is_dir();
+        let is_nameless = path.file_name().is_none() || path.as_os_str() == "-";
+        if codec.is_none() && (is_other || is_nameless) { Err(NoFilmName) } else { Ok(codec) }
+    }
+
     /// Returns the codec for the extension of a film's name.
     pub fn of(path: &Path) -> Option<Codec> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();

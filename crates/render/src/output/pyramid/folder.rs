@@ -1,16 +1,12 @@
 //! The folder of a pyramid, which appears only when it is complete.
 
 use std::ffi::OsStr;
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use tempfile::TempDir;
-
-use crate::output::safe::{
-    HELD, UNFINISHED, UNIQUE, existing_folder_of, hold, refuse_what_fails_at_the_end,
-    remove_orphans,
-};
+use crate::output::UnfinishedFolder;
+use crate::output::safe::{existing_folder_of, refuse_what_fails_at_the_end};
 
 /// File with the sizes of the picture and of its tiles, for viewers.
 pub(super) const IMAGE: &str = "map.dzi";
@@ -27,10 +23,7 @@ const OLD: &str = "old";
 
 /// A pyramid's folder, written beside its destination.
 pub struct PyramidFolder {
-    /// Tells other runs that this one is alive.
-    _held: File,
-    /// Temporary folder, removed with everything in it.
-    beside: TempDir,
+    beside: UnfinishedFolder,
     path: PathBuf,
 }
 
@@ -48,13 +41,9 @@ impl PyramidFolder {
         let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
         let folder = existing_folder_of(&path)?;
         check_same_disk(&path, folder)?;
-        remove_orphans(folder);
-        let beside =
-            tempfile::Builder::new().prefix(UNFINISHED).rand_bytes(UNIQUE).tempdir_in(folder)?;
+        let beside = UnfinishedFolder::create_in(folder)?;
         fs::create_dir(beside.path().join(NEW))?;
-        let held = File::create(beside.path().join(HELD))?;
-        hold(&held);
-        Ok(PyramidFolder { _held: held, beside, path })
+        Ok(PyramidFolder { beside, path })
     }
 
     /// Path of the folder to write into.
@@ -65,10 +54,8 @@ impl PyramidFolder {
     /// Renames the pyramid to its destination. If that fails, the pyramid, which may have taken
     /// hours, is kept, and the error says where.
     pub fn finish(self) -> io::Result<()> {
-        // Other runs remove a folder whose held file is unlocked, and keep one without such a file:
-        // from here on, this folder may hold the only copy.
-        let unheld = fs::remove_file(self.beside.path().join(HELD));
-        let Err(error) = unheld.and_then(|()| self.replace()) else { return Ok(()) };
+        let replaced = self.beside.release().and_then(|()| self.replace());
+        let Err(error) = replaced else { return Ok(()) };
         let kept = self.beside.keep().join(NEW);
         let text = format!("{error}; the pyramid is complete in {}", kept.display());
         Err(io::Error::new(error.kind(), text))
@@ -128,6 +115,7 @@ fn check_same_disk(path: &Path, folder: &Path) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::safe::HELD;
 
     fn write(folder: &Path, text: &str) -> io::Result<()> {
         let new = PyramidFolder::create(folder)?;
