@@ -6,22 +6,24 @@ use anyhow::Context;
 use clap::Args;
 use flipmap_render::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
 use flipmap_render::output::{PICTURES, PictureFile, SafeFile, read_document};
-use flipmap_scene::QuestionSettings;
 use flipmap_scene::question::QuestionName;
+use flipmap_scene::{QuestionSettings, number_within};
 
 use super::exit::Exit;
-use super::options::number;
+use super::options::set;
 use super::same_file::keep_apart;
+use super::suggested::Suggested;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// First result: a .npy array written by render --raw, or a PNG
+    /// First result: a .npy or .npz written by render --raw, or a PNG
     a: PathBuf,
     /// Second result, of the same kind and size
     b: PathBuf,
     /// Question that both arrays answer: sets the unit, and compares angles on the circle (default:
     /// plain differences)
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", hide_possible_values = true,
+          value_parser = Suggested(QuestionName::names()))]
     ask: Option<String>,
     /// Largest difference to ignore. Arrays: in the unit of the channel (default: with --ask the
     /// largest error that counts as right, else 0.001); with --ask and several channels, in
@@ -46,21 +48,20 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(path) = &options.output {
         super::check_name(path, "-o", PICTURES)?;
     }
+    let mut tolerance = None;
+    set(&mut tolerance, "--tolerance", &options.tolerance, |text| {
+        number_within(text, 0.0..=1e6, "").map(Some)
+    })?;
+    let allowed = number_within(&options.share, 0.0..=1.0, "");
+    let allowed =
+        allowed.map_err(|why| Exit::Usage(format!("--share is '{}'; {why}", options.share)))?;
+    let ask = asked(options)?;
     one_question(&options.a, &options.b)?;
     let (a, b) = (ResultRows::open(&options.a)?, ResultRows::open(&options.b)?);
-    let yardstick = yardstick(options, &a, &b)?;
+    let yardstick = yardstick(ask, &a, &b)?;
     let unit = if a.has_times() { yardstick.unit() } else { "levels" };
-    let tolerance = match &options.tolerance {
-        Some(text) => number(text).filter(|t| (0.0..=1e6).contains(t)).ok_or_else(|| {
-            Exit::Usage(format!("--tolerance is '{text}'; it must be between 0 and 1e6"))
-        })?,
-        None if a.has_times() => yardstick.tolerance(),
-        None => 0.0,
-    };
-    let allowed = number(&options.share).filter(|share| (0.0..=1.0).contains(share));
-    let allowed = allowed.ok_or_else(|| {
-        Exit::Usage(format!("--share is '{}'; it must be between 0 and 1", options.share))
-    })?;
+    let usual = if a.has_times() { yardstick.tolerance() } else { 0.0 };
+    let tolerance = tolerance.unwrap_or(usual);
     let comparison = match &options.output {
         Some(path) => pictured(a, b, (&yardstick, tolerance), path)?,
         None => compare(a, b, (&yardstick, tolerance), &mut |_| Ok(()))?,
@@ -78,13 +79,22 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Returns how to compare answers to the question of `--ask`; plain differences without it.
-fn yardstick(options: &Options, a: &ResultRows, b: &ResultRows) -> anyhow::Result<Yardstick> {
-    let Some(name) = &options.ask else {
+/// Returns the question of `--ask`.
+fn asked(options: &Options) -> Result<Option<QuestionName>, Exit> {
+    let mut ask = None;
+    set(&mut ask, "--ask", &options.ask, |name| name.parse().map(Some))?;
+    Ok(ask)
+}
+
+/// Returns how to compare answers to a question; plain differences without one.
+fn yardstick(
+    ask: Option<QuestionName>,
+    a: &ResultRows,
+    b: &ResultRows,
+) -> anyhow::Result<Yardstick> {
+    let Some(ask) = ask else {
         return Ok(Yardstick::Plain);
     };
-    let ask: QuestionName =
-        name.parse().map_err(|names| Exit::Usage(format!("--ask is '{name}'; {names}")))?;
     a.require(ask)?;
     b.require(ask)?;
     Ok(Yardstick::of(ask))

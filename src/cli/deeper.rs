@@ -9,10 +9,10 @@ use flipmap_engine::choice::Chosen;
 use flipmap_render::output::{Destination, SafeFile, is_stdout};
 use flipmap_render::tiles::descent::{Descent, DescentStep};
 use flipmap_scene::keys::{Easing, Keys};
-use flipmap_scene::{MIN_WIDTH, Scene, location};
+use flipmap_scene::{MIN_WIDTH, Scene, location, number_within};
 
 use super::exit::Exit;
-use super::options::{SceneOptions, number};
+use super::options::SceneOptions;
 use super::run_options::{RunOptions, start};
 use super::same_file::keep_apart;
 use super::stop;
@@ -35,11 +35,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     options.run.engine.check()?;
     let output = options.output.as_deref().map(|path| ("-o", path));
     keep_apart(options.scene.file().as_slice(), output.as_slice())?;
-    let to = number(&options.to).filter(|width| (MIN_WIDTH..=1.0).contains(width));
-    let to = to.ok_or_else(|| {
-        let text = &options.to;
-        Exit::Usage(format!("--to is '{text}'; it must be a width between 1e-100 and 1 rad"))
-    })?;
+    let to = number_within(&options.to, MIN_WIDTH..=1.0, "rad")
+        .map_err(|why| Exit::Usage(format!("--to is '{}'; {why}", options.to)))?;
     if let Some(path) = &options.output {
         super::check_name(path, "-o", &["toml"])?;
         super::check(path, "-o")?;

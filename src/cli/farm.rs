@@ -14,6 +14,7 @@ use flipmap_scene::{Document, Sampling};
 use super::exit::Exit;
 use super::picture_options::PictureOptions;
 use super::progress::Mode;
+use super::run_options::in_words;
 use super::stop;
 use super::watch::CommandLine;
 
@@ -63,12 +64,9 @@ pub(super) fn compute(
     let following = chosen.following.clone();
     let mut renderer = Renderer::try_from(chosen)?;
     super::tell(&format!(
-        "flipmap: {total} of {} samples to compute, {} engine, {} {} in {}",
+        "flipmap: {total} of {} samples to compute, {}",
         task.samples(),
-        renderer.engine().kind(),
-        task.config.method.name(),
-        task.config.method.setting(),
-        task.config.precision,
+        in_words(renderer.engine(), &task.config),
     ));
     let watch = CommandLine::new(mode, "samples", Some(following));
     let computed = farm::compute(task, &pieces, &mut renderer, &watch);

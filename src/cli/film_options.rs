@@ -12,10 +12,12 @@ use flipmap_scene::film::Film;
 use flipmap_scene::film_length::{FilmLength, home_before, zoom_through};
 use flipmap_scene::keys::{Easing, Key, Keys};
 use flipmap_scene::question::QuestionName;
-use flipmap_scene::{Budget, Document, DocumentError, Setting, between, decimal_hint};
+use flipmap_scene::{
+    Budget, Document, DocumentError, Setting, between, decimal_hint, named, number,
+};
 
 use super::exit::Exit;
-use super::options::{SceneWords, check_run, load, number};
+use super::options::{SceneWords, check_run, load};
 use super::picture_options::PictureOptions;
 use super::run_options::RunOptions;
 use super::same_file::Named;
@@ -157,7 +159,7 @@ impl FilmOptions {
                 format!(
                     "{option} is '{text}'; it must lie {}{}",
                     between(&range),
-                    decimal_hint(text)
+                    decimal_hint(text, 1)
                 )
             };
             fine.map(Some).ok_or_else(|| Exit::Usage(refuse()))
@@ -201,14 +203,38 @@ fn read_keys(name: &str) -> Result<Vec<Key>, Exit> {
     Ok(keys)
 }
 
+/// The quantities that `--vary` changes, and how many numbers each has.
+const VARIED: [(&str, usize); 8] = [
+    ("time", 1),
+    ("at", 1),
+    ("budget", 1),
+    ("energy", 1),
+    ("gravity", 1),
+    ("friction", 2),
+    ("masses", 2),
+    ("lengths", 2),
+];
+
+/// Returns the usage error for a `--vary` that cannot be read.
+fn unreadable(vary: &str) -> Exit {
+    let (word, values) = vary.split_once('=').unwrap_or((vary, ""));
+    let why = match named("quantities", &VARIED, word) {
+        Err(known) => known,
+        Ok(count) => {
+            let number = if count == 1 { "one number" } else { "two numbers with a comma" };
+            let hints = values.split("..").map(|value| decimal_hint(value, count));
+            let hint = hints.max_by_key(String::len).unwrap_or_default();
+            format!(
+                "{word} takes two values of {number} each, as in time=0..30 or masses=1,1..1,5{hint}"
+            )
+        }
+    };
+    Exit::Usage(format!("--vary is '{vary}'; {why}"))
+}
+
 /// Returns keys of one view in which one quantity changes. A question or budget in `words` is kept.
 fn varied(scene: Document, vary: &str, words: &SceneWords) -> anyhow::Result<Vec<Key>> {
-    let wrong = || {
-        Exit::Usage(format!(
-            "--vary is '{vary}'; it must be time, at, budget, energy, friction, gravity, masses or \
-             lengths with two values, as in time=0..30 or masses=1,1..1,5"
-        ))
-    };
+    let wrong = || unreadable(vary);
     let (word, values) = vary.split_once('=').ok_or_else(wrong)?;
     let (from, to) = values.split_once("..").ok_or_else(wrong)?;
     let key = |secs: f64, text: &str| -> anyhow::Result<Key> {

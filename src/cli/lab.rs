@@ -8,10 +8,9 @@ use flipmap_lab::home::home_map;
 use flipmap_lab::still::{Still, draw, still};
 use flipmap_lab::{Figure, Lab, flips};
 use flipmap_render::output::{PICTURES, PictureFile};
-use flipmap_scene::{decimal_hint, not_among};
+use flipmap_scene::{not_among, number_within};
 
 use super::exit::Exit;
-use super::options::number;
 use super::same_file::{keep_apart, one_stream};
 use super::size;
 use super::suggested::Suggested;
@@ -43,11 +42,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         let allowed = not_among("figures", &Figure::names(), &options.name);
         Exit::Usage(format!("there is no figure called '{}'; {allowed}", options.name))
     })?;
-    let secs = number(&options.at).filter(|secs| (0.0..=MAX_SECS).contains(secs));
-    let secs = secs.ok_or_else(|| {
-        let hint = decimal_hint(&options.at);
-        Exit::Usage(format!("--at is '{}'; it must be between 0 and 600 s{hint}", options.at))
-    })?;
+    let secs = number_within(&options.at, 0.0..=MAX_SECS, "s")
+        .map_err(|why| Exit::Usage(format!("--at is '{}'; {why}", options.at)))?;
     let size = size(&options.size)?;
     if options.output.is_none() && options.csv.is_none() {
         let message = "nothing to write: give -o STILL.png, --csv DATA.csv or both";

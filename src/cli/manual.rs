@@ -1,9 +1,11 @@
 //! `flipmap man` and `flipmap completions`: the manual's pages and the completions of shells, made
 //! from the options themselves.
 
-use clap::{Args, Command};
+use clap::builder::PossibleValuesParser;
+use clap::{Arg, Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
+use flipmap_scene::not_among;
 
 use super::exit::Exit;
 
@@ -28,8 +30,8 @@ pub(super) fn man(mut program: Command, options: &ManOptions) -> anyhow::Result<
             let found = program.get_subcommands().find(|verb| verb.get_name() == name).cloned();
             let known = || program.get_subcommands().map(Command::get_name).collect::<Vec<_>>();
             found.ok_or_else(|| {
-                let known = known().join(", ");
-                Exit::Usage(format!("no subcommand '{name}'; the subcommands are {known}"))
+                let known = not_among("subcommands", &known(), name);
+                Exit::Usage(format!("no subcommand '{name}'; {known}"))
             })?
         }
     };
@@ -40,7 +42,11 @@ pub(super) fn man(mut program: Command, options: &ManOptions) -> anyhow::Result<
 }
 
 /// Prints the completions of a shell.
-pub(super) fn completions(mut program: Command, options: &CompletionOptions) -> anyhow::Result<()> {
+pub(super) fn completions(program: Command, options: &CompletionOptions) -> anyhow::Result<()> {
+    let verbs: Vec<String> =
+        program.get_subcommands().map(|verb| verb.get_name().to_string()).collect();
+    let known = |subcommand: Arg| subcommand.value_parser(PossibleValuesParser::new(verbs));
+    let mut program = program.mut_subcommand("man", |man| man.mut_arg("subcommand", known));
     let mut text = Vec::new();
     clap_complete::generate(options.shell, &mut program, "flipmap", &mut text);
     super::say(String::from_utf8_lossy(&text).trim_end())

@@ -6,7 +6,7 @@ use clap::builder::Resettable;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_render::output::named_document;
-use flipmap_scene::{BuiltIn, Document, RunTable, SceneError, Setting, View, plain_numbers};
+use flipmap_scene::{BuiltIn, Document, RunTable, SceneError, Setting, View};
 
 use super::exit::Exit;
 use super::same_file::Named;
@@ -140,11 +140,6 @@ pub(super) fn set<T, Why: std::fmt::Display>(
         *value = parse(text).map_err(|why| Exit::Usage(format!("{option} is '{text}'; {why}")))?;
     }
     Ok(())
-}
-
-/// Parses a number.
-pub(super) fn number(text: &str) -> Option<f64> {
-    plain_numbers(text).parse().ok()
 }
 
 /// Loads a scene from a file, or a built-in one by its name.

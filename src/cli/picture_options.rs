@@ -10,12 +10,13 @@ use flipmap_render::output::read_gradient;
 use flipmap_scene::film::Film;
 use flipmap_scene::palette::gradient_file::ENDINGS;
 use flipmap_scene::palette::{Palette, ViewTimes, budget_range_secs};
+use flipmap_scene::question::QuestionName;
 use flipmap_scene::{
-    Document, PictureTable, Sampling, Scale, between, decimal_hint, in_a_row, named,
+    Document, PictureTable, Sampling, Scale, did_you_mean, in_a_row, named, number, number_within,
 };
 
 use super::exit::Exit;
-use super::options::{number, set};
+use super::options::set;
 use super::same_file::Named;
 use super::suggested::Suggested;
 
@@ -61,7 +62,8 @@ pub(super) struct PictureOptions {
     times: Option<String>,
     /// Channel of the question to paint, and to write to --raw and --exr (default: all of them). With
     /// --ask state also energy, which can only be painted: --raw and --exr then get all channels
-    #[arg(hide_short_help = true, long, value_name = "NAME")]
+    #[arg(hide_short_help = true, long, value_name = "NAME", hide_possible_values = true,
+          value_parser = Suggested(QuestionName::channel_names()))]
     channel: Option<String>,
     /// Strength of light from the side, 0 to 1; heights are times
     #[arg(long, value_name = "STRENGTH", allow_hyphen_values = true)]
@@ -206,13 +208,8 @@ impl PictureOptions {
             picture.colours.set(text).map_err(refuse)?;
         }
         set(&mut picture.scale, "--scale", &self.scale, Scale::from_str)?;
-        let within = |range: RangeInclusive<f64>| {
-            move |text: &str| {
-                number(text).ok_or_else(|| {
-                    format!("it must be a number {}{}", between(&range), decimal_hint(text))
-                })
-            }
-        };
+        let within =
+            |range: RangeInclusive<f64>| move |text: &str| number_within(text, range.clone(), "");
         set(&mut picture.cycles, "--cycles", &self.cycles, within(PictureTable::CYCLES))?;
         self.repeat(picture)?;
         set(&mut picture.offset, "--offset", &self.offset, within(PictureTable::OFFSETS))?;
@@ -288,7 +285,8 @@ fn samples_of(text: &str) -> Result<(Sampling, bool), String> {
     let square = along.map(|along| (Sampling::Square(along), false));
     square.ok_or_else(|| {
         let (least, most) = PictureTable::SAMPLES.into_inner();
-        format!("it must be corners or auto, or lie between {least} and {most}")
+        let meant = did_you_mean(&[Sampling::CORNERS, ADAPTIVE], text);
+        format!("it must be corners or auto, or a whole number between {least} and {most}{meant}")
     })
 }
 

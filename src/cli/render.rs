@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_engine::trust::{AccuracyEstimate, Opinion};
-use flipmap_engine::{Accuracy, Cells, Engine, EngineKind, IntegratorConfig, Trust};
+use flipmap_engine::{Accuracy, Cells, Engine, IntegratorConfig, Trust};
 use flipmap_render::output::{Paths, PictureRecipe, RenderError, RenderedPicture};
 use flipmap_render::tiles::{self, Counts, Renderer, SavedPixels};
 use flipmap_scene::question::QuestionName;
@@ -23,7 +24,7 @@ use super::options::SceneOptions;
 use super::outputs::OutputOptions;
 use super::picture_options::PictureOptions;
 use super::progress::Mode;
-use super::run_options::{RunOptions, start};
+use super::run_options::{RunOptions, in_words, start};
 use super::spread::spread;
 use super::stop;
 use super::watch::CommandLine;
@@ -31,7 +32,7 @@ use super::watch::CommandLine;
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// Follow pixels as cells first, for measurements: auto (where it saves time), never or always
-    #[arg(hide_short_help = true, long, value_name = "WHEN", default_value_t)]
+    #[arg(hide_short_help = true, long, value_name = "WHEN", default_value_t, value_parser = cells())]
     cells: Cells,
     /// Save pixels that can go on in this file, and resume from it with a larger --budget or --at;
     /// takes one sample per pixel
@@ -55,6 +56,11 @@ pub(super) struct Options {
     picture: PictureOptions,
     #[command(flatten)]
     outputs: OutputOptions,
+}
+
+fn cells() -> impl TypedValueParser<Value = Cells> {
+    let names = PossibleValuesParser::new(Cells::ALL.map(|cells| cells.to_string()));
+    names.try_map(|name| name.parse())
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
@@ -209,17 +215,7 @@ fn interrupted<T>(error: RenderError, keeps: bool) -> anyhow::Result<T> {
 
 fn announce(engine: &dyn Engine, config: IntegratorConfig, verify: bool, why: &str) {
     let checked = if verify { ", every pixel checked" } else { "" };
-    let adapter = match engine.kind() {
-        EngineKind::Gpu => format!(" on {}", engine.adapter()),
-        EngineKind::Cpu => String::new(),
-    };
-    super::tell(&format!(
-        "flipmap: {} engine{adapter}, {} {} in {}{checked}; {why}",
-        engine.kind(),
-        config.method.name(),
-        config.method.setting(),
-        config.precision,
-    ));
+    super::tell(&format!("flipmap: {}{checked}; {why}", in_words(engine, &config)));
 }
 
 /// Warns if pixels lie closer together than the centre's last digit.

@@ -8,6 +8,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use flipmap_engine::{Accuracy, choice};
 use flipmap_report::{BackendFilter, Chapter, Folder, ReportError, Session, Thoroughness};
+use flipmap_scene::number_within;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::exit::Exit;
@@ -58,8 +59,7 @@ fn chapter() -> impl TypedValueParser<Value = Chapter> {
 }
 
 fn minutes(text: &str) -> Result<f64, String> {
-    let minutes = text.parse().ok().filter(|minutes| (0.01..=1e5).contains(minutes));
-    minutes.ok_or_else(|| "it must be a number of minutes between 0.01 and 1e5".to_string())
+    number_within(text, 0.01..=1e5, "minutes")
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {

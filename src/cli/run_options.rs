@@ -3,7 +3,9 @@
 use clap::{Args, ValueEnum};
 use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_engine::{Accuracy, EngineKind, GpuTuning, IntegratorConfig, Method, Precision};
+use flipmap_engine::{
+    Accuracy, Engine, EngineKind, GpuTuning, IntegratorConfig, Method, Precision,
+};
 use flipmap_render::tiles;
 use flipmap_scene::{Document, PictureTable, RunTable, Scene, in_a_row};
 
@@ -175,6 +177,17 @@ impl RunOptions {
         document.run = spec.table.clone();
         Ok(spec)
     }
+}
+
+/// Describes an engine and its settings. A graphics engine is called by its adapter, which may be a
+/// program on the processor.
+pub(super) fn in_words(engine: &dyn Engine, config: &IntegratorConfig) -> String {
+    let adapter = match engine.kind() {
+        EngineKind::Gpu => format!(" on {}", engine.adapter()),
+        EngineKind::Cpu => String::new(),
+    };
+    let (method, setting) = (config.method.name(), config.method.setting());
+    format!("{} engine{adapter}, {method} {setting} in {}", engine.kind(), config.precision)
 }
 
 /// Chooses and starts an engine, announcing on standard error whatever takes long.

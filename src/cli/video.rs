@@ -69,6 +69,11 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if options.output.as_os_str() != "-" {
         return make(options, &options.output);
     }
+    if options.print_ffmpeg {
+        let message = "--print-ffmpeg needs the film's file (-o FILM.mp4): ffmpeg has to seek in an \
+                       .mp4, which standard output does not allow";
+        return Err(Exit::Usage(message.to_string()).into());
+    }
     super::check_stdout()?;
     // ffmpeg has to seek in an .mp4.
     let folder = UnfinishedFolder::create_in(&std::env::temp_dir())

@@ -6,6 +6,32 @@ use std::process::Stdio;
 use crate::program::*;
 
 #[test]
+fn an_npz_is_compared_as_the_array_of_its_channels() {
+    let folder = tempfile::tempdir().unwrap();
+    let map = |names: [&str; 2], at: &str| {
+        for name in names {
+            let question = ["render", "--ask", "state", "--at", at, "--size", "16x12"];
+            done(&folder, &[&question[..], &["--engine", "cpu", "--raw", name]].concat());
+        }
+    };
+    map(["a.npz", "a.npy"], "1");
+    map(["b.npz", "b.npy"], "1.1");
+    let told = |a: &str, b: &str| {
+        let words = ["compare", a, b, "--ask", "state", "--json", "--share", "1"];
+        let output = flipmap(&folder, &words);
+        assert!(output.status.success(), "{}", error_of(&output));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
+    };
+    assert_eq!(told("a.npz", "a.npy")["max"], 0.0);
+    let apart = told("a.npz", "b.npz");
+    assert_eq!(apart, told("a.npy", "b.npy"));
+    assert!(apart["max"].as_f64().unwrap() > 1.0, "{apart}");
+    let whole = fs::read(folder.path().join("a.npz")).unwrap();
+    fs::write(folder.path().join("cut.npz"), &whole[..whole.len() / 2]).unwrap();
+    assert!(refused(&folder, 2, &["compare", "cut.npz", "a.npz"]).contains("cut.npz is no .npz"));
+}
+
+#[test]
 fn results_are_compared_and_too_much_difference_is_code_3() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).display().to_string();

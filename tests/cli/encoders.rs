@@ -155,6 +155,8 @@ fn an_ffmpeg_that_is_missing_lacks_a_codec_or_fails_is_told_apart() {
 fn the_call_of_ffmpeg_can_be_seen() {
     let folder = folder();
     let words = ["--zoom-to", "deep", "--size", "64x48", "--fps", "25", "--print-ffmpeg"];
+    let streamed = refused(&folder, 2, &[&["video", "-o", "-"], &words[..]].concat());
+    assert!(streamed.contains("--print-ffmpeg needs the film's file"), "{streamed}");
     let shown = video(&folder, &[&words[..], &["-o", "it's.mkv"]].concat());
     assert!(shown.starts_with("ffmpeg -hide_banner") && shown.contains("-video_size 64x48"));
     assert!(

@@ -111,6 +111,8 @@ const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (&["--method", "dop835"], 2, &["--method is 'dop835'", "did you mean 'dop853'?"]),
     (&["--precision", "df23"], 2, &["--precision is 'df23'", "did you mean 'df32'?"]),
     (&["--scale", "liner"], 2, &["--scale is 'liner'", "did you mean 'linear'?"]),
+    (&["--samples", "corner"], 2, &["--samples is 'corner'", "did you mean 'corners'?"]),
+    (&["--cells", "alway"], 2, &["'alway'", "'always'"]),
 ];
 
 #[test]
@@ -148,6 +150,46 @@ fn run_settings_of_files_are_refused_in_the_files_words() {
         write("w.toml", text);
         let error = refused(&folder, 2, &["render", "w.toml", "-o", "a.png"]);
         assert!(error.contains(says) && !error.contains("struct"), "{text}: {error}");
+    }
+}
+
+#[test]
+fn a_comma_in_place_of_a_point_is_named_wherever_numbers_are_read() {
+    let folder = folder();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write("w.toml", "[view]\nwidth = \"1,5\"\n");
+    write("c.toml", "[view]\ncenter = [\"1,5\", \"2\"]\n");
+    write("o.toml", "[plane]\norigin = [\"1,5\", \"0\", \"0\", \"0\"]\n");
+    for words in [
+        &["render", "w.toml", "-o", "a.png"][..],
+        &["render", "c.toml", "-o", "a.png"],
+        &["render", "o.toml", "-o", "a.png"],
+        &["render", "flipmap:center=0,0;width=1,5", "-o", "a.png"],
+        &["render", "flipmap:center=1,5,2,5;width=1", "-o", "a.png"],
+        &["trace", "--start", "1,1", "--until", "1,5"],
+        &["deeper", "--to", "1,5"],
+        &["video", "--vary", "time=0..1,5", "-o", "f"],
+        &["compare", "a.npy", "b.npy", "--tolerance", "1,5"],
+        &["compare", "a.npy", "b.npy", "--share", "1,5"],
+        &["report", "--hunt", "1,5"],
+    ] {
+        let error = refused(&folder, 2, words);
+        assert!(error.contains("with a point, as in 1.5"), "{words:?}: {error}");
+    }
+}
+
+#[test]
+fn names_that_were_nearly_right_are_guessed_everywhere() {
+    let folder = folder();
+    fs::write(folder.path().join("p.toml"), "[plane]\nkind = \"anglse\"\n").unwrap();
+    for (words, meant) in [
+        (&["man", "rendr"][..], "render"),
+        (&["video", "--vary", "massess=1,1..2,2", "-o", "f"], "masses"),
+        (&["render", "p.toml", "-o", "a.png"], "angles"),
+        (&["compare", "a.npy", "b.npy", "--ask", "flps"], "flips"),
+    ] {
+        let error = refused(&folder, 2, words);
+        assert!(error.contains(&format!("did you mean '{meant}'?")), "{words:?}: {error}");
     }
 }
 

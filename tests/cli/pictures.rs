@@ -328,7 +328,10 @@ fn adaptive_sampling_is_for_whole_stills() {
     let most = refused(&folder, 2, &most);
     assert!(most.contains("33554432 pixels"), "{most}");
     let wrong = refused(&folder, 2, &["render", "--samples", "some", "-o", "a.png"]);
-    assert!(wrong.contains("it must be corners or auto, or lie between 1 and 8"), "{wrong}");
+    assert!(
+        wrong.contains("it must be corners or auto, or a whole number between 1 and 8"),
+        "{wrong}"
+    );
     let plan = ["plan", "--shards", "2", "-o", "big.toml", "--samples", "auto"];
     assert!(refused(&folder, 2, &plan).contains("--samples auto is for render"));
     let film = ["video", "--vary", "time=0..3", "-o", "film/", "--samples", "auto"];

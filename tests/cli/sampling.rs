@@ -181,7 +181,10 @@ fn light_and_pyramids_have_corners_and_states_have_one_sample() {
     let film = ["video", "--vary", "time=0..3", "-o", "film/", "--samples", "corners"];
     assert!(refused(&folder, 2, &film).contains("--samples corners is for stills"));
     let wrong = refused(&folder, 2, &["render", "--samples", "edges", "-o", "a.png"]);
-    assert!(wrong.contains("it must be corners or auto, or lie between 1 and 8"), "{wrong}");
+    assert!(
+        wrong.contains("it must be corners or auto, or a whole number between 1 and 8"),
+        "{wrong}"
+    );
     fs::write(at("many.toml"), "[picture]\nsamples = 9\n").unwrap();
     let wrong = refused(&folder, 2, &["render", "many.toml", "-o", "a.png"]);
     assert!(

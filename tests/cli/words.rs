@@ -67,6 +67,15 @@ fn the_manual_and_completions_know_every_subcommand() {
             assert!(words.contains(verb), "{shell} {verb}");
         }
     }
+    let words = said(&["completions", "bash"]);
+    for values in [
+        "auto never always",
+        "flip first flips state",
+        "bob distance energy",
+        "--help explore render",
+    ] {
+        assert!(words.contains(values), "{values}");
+    }
     assert!(said(&["man", "render"]).contains("\\-\\-palette"));
     assert_eq!(flipmap(&folder, &["man", "rendr"]).status.code(), Some(2));
 }

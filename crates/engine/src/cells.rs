@@ -45,7 +45,7 @@ const ROUNDINGS: f64 = 30.0;
 
 impl Cells {
     /// Every choice.
-    pub(crate) const ALL: [Cells; 3] = [Cells::Auto, Cells::Never, Cells::Always];
+    pub const ALL: [Cells; 3] = [Cells::Auto, Cells::Never, Cells::Always];
 
     /// Returns true if starts `pixel_rad` (rad) apart are followed as cells.
     pub fn are_followed(self, config: &IntegratorConfig, pixel_rad: f64) -> bool {

@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use super::choice::IntegrationSetting;
 use super::{Accuracy, IntegratorConfig, Method, Precision};
-use flipmap_scene::{RunTable, SceneError, between, decimal_hint, not_among, plain_numbers};
+use flipmap_scene::{RunTable, SceneError, between, decimal_hint, not_among, number};
 
 /// The resolved settings of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -141,7 +141,7 @@ fn with_step(method: Method, step: &str) -> Result<Method, SceneError> {
         _ => Err(refuse(format!(
             "it must be seconds {}, as a number or a fraction{}",
             between(&STEPS_SECS),
-            decimal_hint(step)
+            decimal_hint(step, 1)
         ))),
     }
 }
@@ -159,7 +159,7 @@ fn with_tolerance(
         SceneError::new(
             "tolerance",
             format!("'{text}'"),
-            format!("{allowed}{}", decimal_hint(text)),
+            format!("{allowed}{}", decimal_hint(text, 1)),
         )
     };
     let Some(tolerant) = number(text).and_then(|tolerance| method.with_tolerance(tolerance)) else {
@@ -187,10 +187,6 @@ fn set<T, Why: std::fmt::Display>(
         *value = parse(word).map_err(refuse)?;
     }
     Ok(())
-}
-
-fn number(text: &str) -> Option<f64> {
-    plain_numbers(text).parse().ok()
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub(crate) fn listed(what: &str, names: &[&str]) -> String {
 }
 
 /// Returns the end of a sentence that asks for the name most like a mistyped one, if there is one.
-pub(crate) fn did_you_mean(names: &[&str], typed: &str) -> String {
+pub fn did_you_mean(names: &[&str], typed: &str) -> String {
     closest(names.iter().copied(), typed)
         .map_or(String::new(), |name| format!("; did you mean '{name}'?"))
 }

@@ -45,7 +45,7 @@ mod upright;
 mod view;
 mod words;
 
-pub use allowed::{between, in_a_row, named, not_among};
+pub use allowed::{between, did_you_mean, in_a_row, named, not_among};
 pub use angle_text::in_rad;
 pub use budget::Budget;
 pub use built_in::{BUILT_IN, BuiltIn};
@@ -53,7 +53,7 @@ pub use document::{Document, DocumentError, RunTable, one_line};
 pub use exact_plane::ExactPlane;
 pub use grid::{Fate, Grid};
 pub use leaf_grid::Grouped;
-pub use pasted::{decimal_hint, plain_numbers};
+pub use pasted::{decimal_hint, number, number_within, plain_numbers};
 pub use picture::{PictureTable, Sampling, Scale, Shown};
 pub use pixel_axes::PixelAxes;
 pub use plane::{Axis, Plane, PlaneKind};

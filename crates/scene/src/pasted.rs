@@ -1,6 +1,9 @@
 //! Numbers as people paste them: with the signs and spaces of web pages and papers.
 
 use std::borrow::Cow;
+use std::ops::RangeInclusive;
+
+use super::allowed::between;
 
 /// Returns a text of numbers in plain characters: minus signs and dashes as `-`, without spaces that
 /// do not break, around it without parentheses, and without a full stop that ends a sentence. Any
@@ -35,24 +38,33 @@ fn is_space(sign: char) -> bool {
     )
 }
 
-/// Returns a hint if a text of numbers has commas where the decimal points should be: `count`
-/// numbers are expected.
-pub(crate) fn comma_for_point(text: &str, count: usize) -> Option<String> {
+/// Returns a hint if a text of `count` numbers has commas where the decimal points should be; empty
+/// if not.
+pub fn decimal_hint(text: &str, count: usize) -> String {
     let plain = plain_numbers(text);
     let parts: Vec<&str> = plain.split(',').collect();
     let is_whole = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
     let digits = |part: &str| is_whole(part.trim().trim_start_matches(['-', '+']));
     if parts.len() != 2 * count || !parts.iter().all(|part| digits(part)) {
-        return None;
+        return String::new();
     }
     let with_point = |pair: &[&str]| format!("{}.{}", pair[0].trim(), pair[1].trim());
     let numbers: Vec<String> = parts.chunks(2).map(with_point).collect();
-    Some(format!("; decimals are written with a point, as in {}", numbers.join(",")))
+    format!("; decimals are written with a point, as in {}", numbers.join(","))
 }
 
-/// Returns a hint if a text is a number with a comma where the decimal point should be; empty if not.
-pub fn decimal_hint(text: &str) -> String {
-    comma_for_point(text, 1).unwrap_or_default()
+/// Reads a number as people paste it.
+pub fn number(text: &str) -> Option<f64> {
+    plain_numbers(text).parse().ok()
+}
+
+/// Reads a number of the given range, or says in a phrase which numbers are allowed; `unit` is one
+/// or empty.
+pub fn number_within(text: &str, range: RangeInclusive<f64>, unit: &str) -> Result<f64, String> {
+    number(text).filter(|number| range.contains(number)).ok_or_else(|| {
+        let allowed = format!("it must be a number {} {unit}", between(&range));
+        format!("{}{}", allowed.trim_end(), decimal_hint(text, 1))
+    })
 }
 
 #[cfg(test)]
@@ -80,11 +92,21 @@ mod tests {
     }
 
     #[test]
+    fn a_number_is_read_or_its_range_is_said() {
+        let share = |text: &str| number_within(text, 0.0..=1.0, "");
+        assert_eq!(share("\u{a0}0.5."), Ok(0.5));
+        assert_eq!(share("12"), Err("it must be a number between 0 and 1".to_string()));
+        assert!(share("0,5").unwrap_err().ends_with("with a point, as in 0.5"));
+        let width = number_within("x", 1e-100..=1.0, "rad").unwrap_err();
+        assert_eq!(width, "it must be a number between 1e-100 and 1 rad");
+    }
+
+    #[test]
     fn commas_for_points_are_recognised() {
-        assert!(comma_for_point("1,5", 1).unwrap().ends_with("as in 1.5"));
-        assert!(comma_for_point("\u{2212}1,66,0,1", 2).unwrap().ends_with("as in -1.66,0.1"));
+        assert!(decimal_hint("1,5", 1).ends_with("as in 1.5"));
+        assert!(decimal_hint("\u{2212}1,66,0,1", 2).ends_with("as in -1.66,0.1"));
         for (text, count) in [("1.5", 1), ("1,2", 2), ("1,x", 1), ("1,2,3", 2), ("1,2", 4)] {
-            assert_eq!(comma_for_point(text, count), None, "{text}");
+            assert_eq!(decimal_hint(text, count), "", "{text}");
         }
     }
 }

@@ -8,8 +8,10 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::allowed::{did_you_mean, names_of};
 use super::angle_text::in_rad;
 use super::exact_length::exactly;
+use super::pasted::decimal_hint;
 use super::{PendulumSpec, SceneError, Setting};
 use flipmap_numbers::{Dd, Real, Scalar};
 use flipmap_pendulum::{Launch, Pendulum};
@@ -212,7 +214,11 @@ impl Plane {
         }
         for value in &self.origin {
             let is_fine = Dd::parse(value).is_some_and(|value| Self::ORIGINS.contains(&value.hi));
-            Setting::Origin.require(is_fine, &format_args!("'{value}'"))?;
+            let require = Setting::Origin.require(is_fine, &format_args!("'{value}'"));
+            require.map_err(|mut error| {
+                error.allowed += &decimal_hint(value, 1);
+                error
+            })?;
         }
         let is_section = self.kind == PlaneKind::Section;
         let is_zero = |value: &String| Dd::parse(value) == Some(Dd::new(0.0));
@@ -349,7 +355,10 @@ impl FromStr for PlaneKind {
         let axis =
             |word: &str| AXES.iter().find(|(name, _)| *name == word.trim()).map(|(_, axis)| *axis);
         let axes = text.split_once(',').and_then(|(across, up)| Some([axis(across)?, axis(up)?]));
-        axes.map(PlaneKind::Axes).ok_or_else(|| format!("the planes are {}", PlaneKind::choices()))
+        axes.map(PlaneKind::Axes).ok_or_else(|| {
+            let meant = did_you_mean(&names_of(&PlaneKind::NAMED), text);
+            format!("the planes are {}{meant}", PlaneKind::choices())
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 //! its text. Options, locations and the errors of files and panels are made from it.
 
 use super::allowed::{between, did_you_mean, in_a_row, known, listed, names_of};
-use super::pasted::{comma_for_point, plain_numbers};
+use super::pasted::{decimal_hint, number, plain_numbers};
 use super::question::QuestionName;
 use super::{Axis, Budget, Kind, PendulumSpec, Plane, PlaneKind, QuestionSettings, Scene};
 use super::{MIN_WIDTH, SceneError, View};
@@ -342,19 +342,18 @@ impl Setting {
         (def.set)(scene, &plain).ok_or_else(|| {
             let mut error = self.refused(scene.plane.axes(), format!("'{text}'"));
             error.allowed += did_you_mean(&names, text).as_str();
-            error.allowed += &self.comma_for_point(text);
+            error.allowed += &decimal_hint(text, self.count());
             error
         })
     }
 
-    /// Returns a hint if a text has commas in place of decimal points; empty if not.
-    pub(crate) fn comma_for_point(self, text: &str) -> String {
-        let count = match self {
+    /// Returns how many numbers the setting has, if it has any.
+    fn count(self) -> usize {
+        match self {
             Setting::Center | Setting::Masses | Setting::Lengths | Setting::Friction => 2,
             Setting::Origin => 4,
             _ => 1,
-        };
-        comma_for_point(text, count).unwrap_or_default()
+        }
     }
 
     /// Returns the setting's value as text, which [`Setting::set`] reads back.
@@ -377,10 +376,6 @@ impl Setting {
 fn put<T>(place: &mut T, value: T) -> Option<()> {
     *place = value;
     Some(())
-}
-
-fn number(text: &str) -> Option<f64> {
-    text.parse().ok()
 }
 
 fn pair(text: &str) -> Option<[Decimal; 2]> {

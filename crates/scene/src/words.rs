@@ -19,9 +19,8 @@ impl Scene {
         }
         self.checked().map_err(|mut error| {
             let typed = words.iter().find(|(setting, _)| setting.name() == error.setting);
-            if let Some((setting, text)) = typed {
+            if let Some((_, text)) = typed {
                 error.value = format!("'{text}'");
-                error.allowed += &setting.comma_for_point(text);
             }
             error
         })

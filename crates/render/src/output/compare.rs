@@ -3,13 +3,13 @@
 //! Both are read row by row, so they may be larger than memory.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 pub use super::comparison::Comparison;
 use super::ending::ends_in;
-use super::npy::{NpyNumbers, npy_shape};
 use super::picture_rows::PictureRows;
+use super::result_arrays::{ArrayError, ResultArrays};
 use super::whole_png::check_whole_png;
 use flipmap_engine::plain_file::open_plain;
 use flipmap_scene::question::{Channel, ChannelScale, QuestionName};
@@ -22,8 +22,7 @@ pub struct ResultRows {
 }
 
 enum ResultKind {
-    /// The file, the number of channels of each pixel, and the kind of their numbers.
-    Times(BufReader<File>, usize, NpyNumbers),
+    Times(ResultArrays),
     Colours(Box<PictureRows<BufReader<File>>>),
 }
 
@@ -63,7 +62,7 @@ pub enum CompareError {
     Picture(#[source] io::Error),
     /// A file that is not a result.
     #[error(
-        "{path} {why}; compare takes PNGs, and .npy arrays of raw samples as render writes them"
+        "{path} {why}; compare takes PNGs, and .npy and .npz files as render --raw writes them"
     )]
     Kind {
         /// Path of the file.
@@ -135,26 +134,21 @@ impl ResultRows {
     pub fn open(path: &Path) -> Result<Self, CompareError> {
         let unreadable = |source| CompareError::File { path: path.to_path_buf(), source };
         let foreign = |why: String| CompareError::Kind { path: path.to_path_buf(), why };
-        let file = BufReader::new(open_plain(path).map_err(unreadable)?);
+        let arrays = |arrays: Result<ResultArrays, ArrayError>| match arrays {
+            Ok(arrays) => Ok((arrays.size(), ResultKind::Times(arrays))),
+            Err(ArrayError::Unreadable(source)) => Err(unreadable(source)),
+            Err(other) => Err(foreign(other.to_string())),
+        };
         let (size, kind) = if ends_in(path, "png") {
+            let file = BufReader::new(open_plain(path).map_err(unreadable)?);
             let whole = open_plain(path).and_then(|file| check_whole_png(BufReader::new(file)));
             let rows = PictureRows::open(file).map_err(foreign)?;
             whole.map_err(unreadable)?;
             (rows.size(), ResultKind::Colours(Box::new(rows)))
+        } else if ends_in(path, "npz") {
+            arrays(ResultArrays::of_npz(path))?
         } else {
-            let mut file = file;
-            let (size, channels, numbers) = npy_shape(&mut file)
-                .map_err(|why| foreign(format!("is not such an array: {why}")))?;
-            // At most 64 channels of a million times a million pixels.
-            let values = size.map(u64::from).iter().product::<u64>() * channels as u64;
-            let needed =
-                numbers.bytes as u64 * values + file.stream_position().map_err(unreadable)?;
-            let found = file.get_ref().metadata().map_err(unreadable)?;
-            if found.len() != needed {
-                let why = format!("has {} bytes, and its header says {needed}", found.len());
-                return Err(foreign(why));
-            }
-            (size, ResultKind::Times(file, channels, numbers))
+            arrays(ResultArrays::of_npy(path))?
         };
         Ok(ResultRows { path: path.to_path_buf(), size, kind })
     }
@@ -166,12 +160,11 @@ impl ResultRows {
 
     /// Refuses an array that does not have as many channels as a question.
     pub fn require(&self, ask: QuestionName) -> Result<(), CompareError> {
-        match self.kind {
-            ResultKind::Times(_, found, _) if found != ask.kind().channels.len() => {
-                Err(CompareError::Ask { path: self.path.clone(), ask, found })
-            }
-            _ => Ok(()),
+        let found = self.channels();
+        if self.has_times() && found != ask.kind().channels.len() {
+            return Err(CompareError::Ask { path: self.path.clone(), ask, found });
         }
+        Ok(())
     }
 
     /// Returns true for an array, false for a picture.
@@ -181,19 +174,15 @@ impl ResultRows {
 
     /// Returns the number of values of each pixel.
     fn channels(&self) -> usize {
-        match self.kind {
-            ResultKind::Times(_, channels, _) => channels,
+        match &self.kind {
+            ResultKind::Times(arrays) => arrays.channels(),
             ResultKind::Colours(_) => 4,
         }
     }
 
     fn next(&mut self) -> Result<ResultRow, CompareError> {
-        let width = self.size[0] as usize;
         let row = match &mut self.kind {
-            ResultKind::Times(file, channels, numbers) => {
-                let mut bytes = vec![0; numbers.bytes * width * *channels];
-                file.read_exact(&mut bytes).map(|()| ResultRow::Times(numbers.read(&bytes)))
-            }
+            ResultKind::Times(arrays) => arrays.next().map(ResultRow::Times),
             ResultKind::Colours(rows) => rows.next().map(ResultRow::Colours),
         };
         row.map_err(|source| {

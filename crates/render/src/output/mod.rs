@@ -33,6 +33,7 @@ mod pyramid;
 mod read;
 mod recipe;
 mod render;
+mod result_arrays;
 mod rows;
 mod safe;
 mod shell;

@@ -25,10 +25,14 @@ pub(super) struct TiffStream {
 impl TiffStream {
     /// Begins a picture of eight bits a channel, or of sixteen if it is `deep`.
     pub(super) fn begin(file: SafeFile, size: [u32; 2], deep: bool) -> io::Result<Self> {
+        let bytes = size.map(u64::from).iter().product::<u64>() * if deep { 6 } else { 3 };
+        Self::begin_as(file, size, deep, bytes >= BIG_BYTES)
+    }
+
+    fn begin_as(file: SafeFile, size: [u32; 2], deep: bool, is_big: bool) -> io::Result<Self> {
         let spool = Spool::new(file)?;
         let (rows, taken) = sync_channel(AHEAD);
-        let bytes = size.map(u64::from).iter().product::<u64>() * if deep { 6 } else { 3 };
-        let encode = move || match (bytes >= BIG_BYTES, deep) {
+        let encode = move || match (is_big, deep) {
             (false, false) => encode::<TiffKindStandard, RGB8>(spool, size, &taken, to_bytes),
             (false, true) => encode::<TiffKindStandard, RGB16>(spool, size, &taken, to_numbers),
             (true, false) => encode::<TiffKindBig, RGB8>(spool, size, &taken, to_bytes),
@@ -125,12 +129,20 @@ mod tests {
         let path = folder.path().join("map.tiff");
         let size = [300, 70];
         let bytes: Vec<u8> = (0..300 * 70 * 6).map(|k| (k % 251) as u8).collect();
-        for (deep, part) in [(false, 1800), (true, 5400), (true, 300 * 70 * 6)] {
+        for (deep, is_big, part) in [
+            (false, false, 1800),
+            (true, false, 5400),
+            (true, false, 300 * 70 * 6),
+            (false, true, 1800),
+            (true, true, 5400),
+        ] {
             let file = SafeFile::create(&Destination::from(&*path)).unwrap();
-            let mut tiff = TiffStream::begin(file, size, deep).unwrap();
+            let mut tiff = TiffStream::begin_as(file, size, deep, is_big).unwrap();
             let all = if deep { &bytes[..] } else { &bytes[..300 * 70 * 3] };
             all.chunks(part).for_each(|rows| tiff.write(rows).unwrap());
             tiff.finish().unwrap().finish().unwrap();
+            // The version after the order of the bytes: 43 in a BigTIFF.
+            assert_eq!(std::fs::read(&path).unwrap()[2], if is_big { 43 } else { 42 });
             let read = image::open(&path).unwrap();
             assert_eq!((read.width(), read.height()), (300, 70));
             if deep {

@@ -66,8 +66,11 @@ impl Trace {
         every: &str,
     ) -> Result<Self, SceneError> {
         let launch = launch_from_text(start).ok_or_else(|| {
-            let range = "it must be two angles between -1e6 and 1e6 rad, separated by a comma, or \
-                         these and two speeds between -1e6 and 1e6 rad/s";
+            let hint = decimal_hint(start, 2);
+            let range = format!(
+                "it must be two angles between -1e6 and 1e6 rad, separated by a comma, or these and \
+                 two speeds between -1e6 and 1e6 rad/s{hint}"
+            );
             SceneError::new("start", format!("'{start}'"), range)
         })?;
         let times = [secs_from_text("until", until)?, secs_from_text("every", every)?];
@@ -175,7 +178,8 @@ fn secs_from_text(setting: &'static str, text: &str) -> Result<Dd, SceneError> {
     Dd::parse(&plain_numbers(text)).filter(|time| Budget::SECS.contains(&time.hi)).ok_or_else(
         || {
             let seconds = between(&Budget::SECS);
-            let range = format!("it must be a number of seconds {seconds}{}", decimal_hint(text));
+            let range =
+                format!("it must be a number of seconds {seconds}{}", decimal_hint(text, 1));
             SceneError::new(setting, format!("'{text}'"), range)
         },
     )

@@ -274,6 +274,19 @@ impl QuestionName {
         }
     }
 
+    /// Returns the names of the channels of all questions, and of their tints.
+    pub fn channel_names() -> Vec<&'static str> {
+        let named = |ask: QuestionName| {
+            let kind = ask.kind();
+            let channels = kind.channels.iter().map(|channel| channel.name);
+            channels.chain(kind.tint.map(|(tint, _)| tint))
+        };
+        let mut names: Vec<&str> = QuestionName::ALL.into_iter().flat_map(named).collect();
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
     /// Returns the index of the channel with this name.
     pub(crate) fn channel(self, name: &str) -> Option<usize> {
         self.kind().channels.iter().position(|channel| channel.name == name)
@@ -296,7 +309,7 @@ impl QuestionName {
     }
 
     /// Returns the names of all questions.
-    pub(crate) fn names() -> Vec<&'static str> {
+    pub fn names() -> Vec<&'static str> {
         QuestionName::ALL.map(|ask| ask.kind().name).to_vec()
     }
 
