@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::program::refused;
-use crate::{error_of, folder, render};
+use crate::{error_of, flipmap, folder, render};
 
 /// Arguments, their exit code, and the words that the error sentence must contain.
 const MISTAKES: &[(&[&str], i32, &[&str])] = &[
@@ -173,7 +173,7 @@ fn a_comma_in_place_of_a_point_is_named_wherever_numbers_are_read() {
         &["compare", "a.npy", "b.npy", "--share", "1,5"],
         &["report", "--hunt", "1,5"],
     ] {
-        let error = refused(&folder, 2, words);
+        let error = error_of(&flipmap(&folder, words));
         assert!(error.contains("with a point, as in 1.5"), "{words:?}: {error}");
     }
 }

@@ -275,7 +275,7 @@ fn what_is_no_film_is_refused_by_name() {
             "--frames is '0'; it must lie between",
         ),
         (&["--zoom-to", "deep", "--fps", "fast", "-o", "f"], "--fps is 'fast'; it must lie"),
-        (&["--vary", "colour=1..2", "-o", "f"], "--vary is 'colour=1..2'; it must be time"),
+        (&["--vary", "colour=1..2", "-o", "f"], "--vary is 'colour=1..2'; the quantities are time"),
         (
             &["--vary", "masses=1,1..0,1", "-o", "f"],
             "masses is 0,1; it must be two numbers between 1e-9 and 1e9 kg",

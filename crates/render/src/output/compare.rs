@@ -62,7 +62,8 @@ pub enum CompareError {
     Picture(#[source] io::Error),
     /// A file that is not a result.
     #[error(
-        "{path} {why}; compare takes PNGs, and .npy and .npz files as render --raw writes them"
+        "{path} {why}; compare takes PNGs, and .npy and .npz files of raw samples as render writes \
+         them"
     )]
     Kind {
         /// Path of the file.
