@@ -4,10 +4,11 @@ use std::error::Error;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue};
 use flipmap_engine::EngineError;
 use flipmap_engine::choice::ChoiceError;
 use flipmap_render::output::{self, OutputError};
-use flipmap_scene::{DocumentError, SceneError};
+use flipmap_scene::{BuiltIn, DocumentError, SceneError};
 
 use super::option_names::option_of;
 use super::voice::{self, Voice, tell_error};
@@ -100,7 +101,7 @@ pub(super) fn leave(error: &clap::Error) -> ! {
     }
     let text = error.render().to_string();
     let lines: Vec<String> = text.lines().map(|line| shortened(&in_our_words(line))).collect();
-    let text = printable(&lines.join("\n"));
+    let text = printable(&lines.join("\n")) + &meant(error);
     if says_json() {
         voice::set(Voice::Json);
         tell_error(text.trim_start_matches("error: ").trim_end());
@@ -108,6 +109,17 @@ pub(super) fn leave(error: &clap::Error) -> ! {
         let _ = writeln!(io::stderr(), "{}", text.trim_end());
     }
     std::process::exit(error.exit_code())
+}
+
+/// Returns a line about the command that was probably meant, if a scene stands in its place.
+fn meant(error: &clap::Error) -> String {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
+        return String::new();
+    };
+    match BuiltIn::named(word).is_some() || word.ends_with(".toml") || word.ends_with(".png") {
+        true => format!("\n\n  tip: '{word}' is a scene: flipmap render {word}, or explore {word}"),
+        false => String::new(),
+    }
 }
 
 /// Returns a line of clap's with what Rust's parsers of numbers say in the words of people.

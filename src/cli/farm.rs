@@ -193,8 +193,10 @@ fn spread(
     {
         super::tell(&format!(
             "flipmap: colours are spread over the film's own times, {first:.2} to {last:.2} s, in \
-             {} cycles of {}; --times budget spreads them over the whole budget",
-            picture.cycles, picture.palette
+             {} {} of {}; --times budget spreads them over the whole budget",
+            picture.cycles,
+            if picture.cycles == 1.0 { "cycle" } else { "cycles" },
+            picture.palette
         ));
     }
     Ok(())

@@ -13,7 +13,7 @@ use flipmap_scene::film_length::{FilmLength, home_before, zoom_through};
 use flipmap_scene::keys::{Easing, Key, Keys};
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{
-    Budget, Document, DocumentError, Setting, between, decimal_hint, named, number,
+    Budget, Document, DocumentError, Setting, between, decimal_hint, named, number, plain_numbers,
 };
 
 use super::exit::Exit;
@@ -30,8 +30,8 @@ pub(super) struct FilmOptions {
     /// Zoom to this scene, starting from home or from the one scene given
     #[arg(long, value_name = "SCENE")]
     zoom_to: Option<String>,
-    /// Keep one view and vary time, budget, gravity, masses or lengths, as in time=0..30 or
-    /// masses=1,1..1,5
+    /// Keep one view and vary time, at, budget, energy, gravity, friction, masses or lengths, as in
+    /// time=0..30 or masses=1,1..1,5
     #[arg(long, value_name = "WHAT=FROM..TO", allow_hyphen_values = true)]
     vary: Option<String>,
     /// Length of the film (default: that of the keys, else 1.5 s per decade of zoom, 10 s for one
@@ -107,6 +107,17 @@ impl FilmOptions {
             (_, Some(_), Some(_)) => {
                 return usage("--zoom-to and --vary exclude each other; give one");
             }
+            ([_, _, ..], Some(_), _) | ([_, _, ..], _, Some(_)) => {
+                return usage(
+                    "--zoom-to and --vary begin with one scene, and more are named: name one, or \
+                     leave the option out",
+                );
+            }
+            ([keys], _, Some(_)) if is_toml(keys) && holds_film_keys(keys) => {
+                return usage(
+                    "a file of keys says itself what changes: give --vary one scene, or leave it out",
+                );
+            }
             ([] | [_], None, Some(vary)) => {
                 let scene = self.words.apply(self.words.base(self.scene())?)?.settled();
                 return varied(scene, vary, &self.words);
@@ -118,7 +129,7 @@ impl FilmOptions {
                     self.scenes.iter().map(|name| load(name)).collect();
                 zoom_through(scenes?)
             }
-            _ => {
+            ([] | [_], None, None) => {
                 return usage(
                     "a film needs a file of keys, two or more scenes, --zoom-to SCENE, or --vary \
                      WHAT=FROM..TO",
@@ -186,11 +197,18 @@ fn is_toml(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
 }
 
+fn holds_film_keys(name: &str) -> bool {
+    read_text(Path::new(name)).is_ok_and(|text| text.contains(KEY))
+}
+
+/// The line with which each key of a film begins.
+const KEY: &str = "[[key]]";
+
 fn read_keys(name: &str) -> Result<Vec<Key>, Exit> {
     let refuse = |why: &dyn std::fmt::Display| Exit::Usage(format!("{name}: {why}"));
     let text =
         read_text(Path::new(name)).map_err(|error| refuse(&format!("cannot be read: {error}")))?;
-    if !text.contains("[[key]]") {
+    if !text.contains(KEY) {
         return Err(refuse(
             &"there are no keys in it (each begins with a line [[key]]); a film of one scene \
               needs --zoom-to or --vary, and a plan is for flipmap run and merge",
@@ -242,7 +260,7 @@ fn varied(scene: Document, vary: &str, words: &SceneWords) -> anyhow::Result<Vec
         let one = || number(text).ok_or_else(wrong);
         let latest = [from, to].into_iter().filter_map(number).fold(0.0, f64::max);
         let latest = if words.says(Setting::Budget) { 0.0 } else { latest };
-        let exact = |text: &str| Decimal::from_str(text.trim()).map_err(|()| wrong());
+        let exact = |text: &str| Decimal::from_str(&plain_numbers(text)).map_err(|()| wrong());
         let two = || {
             let (first, second) = text.split_once(',').ok_or_else(wrong)?;
             Ok::<_, Exit>([exact(first)?, exact(second)?])

@@ -6,10 +6,11 @@ use std::time::Duration;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::profile::Profile;
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_engine::{Accuracy, EngineKind};
+use flipmap_engine::{Accuracy, EngineKind, WantedEnds};
 use flipmap_render::output::{Paths, Sinks, is_stdout, whole_bytes};
 use flipmap_render::tiles::{Samples, mirrored_bytes};
 use flipmap_scene::Document;
+use flipmap_scene::question::Needs;
 use indicatif::{HumanBytes, HumanCount, HumanDuration};
 
 use super::option_names::by_option;
@@ -73,6 +74,7 @@ pub(super) fn tell_render(
     document: &Document,
     spec: &RunSpec,
     paths: &Paths,
+    state: Option<&Path>,
 ) -> anyhow::Result<()> {
     let size = spec.size();
     // Opening the outputs refuses sizes that a format or the memory cannot hold.
@@ -81,15 +83,30 @@ pub(super) fn tell_render(
         path.take_if(|path| is_stdout(path));
     }
     drop(Sinks::open(&files, document, size)?);
-    let [width, height] = document.picture.samples.grid_size(size).map(u64::from);
-    let effort = Foresight::of(engine, spec.setting, spec.verify, width * height);
+    let samples = document.picture.samples.most_samples(size);
+    let effort = Foresight::of(engine, spec.setting, spec.verify, samples);
     super::say(&effort.sentence())?;
-    super::say(&memory(document, size, paths))?;
-    for (option, path) in by_option(paths) {
+    if document.question.ask.kind().needs != Needs::Outcome {
+        super::say("this question can take 25 times as long as that of flips")?;
+    }
+    super::say(&memory(document, size, paths, state.is_some()))?;
+    let state = state.map(|path| ("--state", path));
+    for (option, path) in by_option(paths).into_iter().chain(state) {
         let file = path.display();
         super::say(&format!("{option} {file}: {}", file_size(option, path, size, document)))?;
     }
     Ok(())
+}
+
+/// Bytes of a saved pixel in a file and in memory, measured; what it carries along comes on top.
+const SAVED_BYTES: [u64; 2] = [160, 700];
+/// Bytes of what a pixel carries along, as tangents or for its nearest return.
+const CARRIED_BYTES: u64 = 200;
+
+/// Returns the bytes of a saved pixel in a file and in memory.
+fn saved_bytes(document: &Document) -> [u64; 2] {
+    let carries = WantedEnds::from(document.question.ask.kind().needs).are_carried();
+    SAVED_BYTES.map(|bytes| bytes + if carries { CARRIED_BYTES } else { 0 })
 }
 
 /// Room for the heads of files, their scenes and what surrounds a pyramid.
@@ -111,6 +128,7 @@ fn file_size(option: &str, path: &Path, size: [u32; 2], document: &Document) -> 
         ("--raw", Some("csv")) => (100 + 25 * channels) * pixels,
         ("--raw", _) => 8 * channels * pixels,
         ("--exr", _) => (4 * channels + 16) * pixels,
+        ("--state", _) => saved_bytes(document)[0] * pixels,
         // The levels of a pyramid add a third, and every tile is a file.
         ("--pyramid", _) => 4 * pixels + 1024 * (pixels >> 15),
         _ => 3 * depth * pixels + height,
@@ -123,12 +141,14 @@ const OWN_MEMORY: u64 = 300 << 20;
 
 /// Returns the memory that a picture takes, in words: rows are written as they come, but for the
 /// formats that are encoded as a whole, and the half of a symmetric map that waits for its turn.
-fn memory(document: &Document, size: [u32; 2], paths: &Paths) -> String {
+fn memory(document: &Document, size: [u32; 2], paths: &Paths, saves: bool) -> String {
     let mirrored = mirrored_bytes(&document.scene(), document.picture.samples.grid_size(size));
     let wholes = [&paths.picture, &paths.trust].into_iter().flatten();
     let wholes: u64 = wholes.map(|path| whole_bytes(path, size)).sum();
-    let bytes = OWN_MEMORY + mirrored.unwrap_or(0) + wholes;
-    format!("memory: about {}", HumanBytes(bytes))
+    let pixels = size.map(u64::from).iter().product::<u64>();
+    let saved = if saves { saved_bytes(document)[1] * pixels } else { 0 };
+    let bytes = OWN_MEMORY + mirrored.unwrap_or(0) + wholes + saved;
+    format!("memory: up to about {}", HumanBytes(bytes))
 }
 
 /// Returns the room that kept samples with this many channels need on the disk, in words.

@@ -19,7 +19,7 @@ use super::suggested::Suggested;
 pub(super) struct Options {
     /// Name of the figure: single, ghost, double, machine, integrators, twenty or map
     #[arg(hide_possible_values = true, value_parser = Suggested(Figure::names()))]
-    name: String,
+    name: Option<String>,
     /// Picture of the figure to write (- for standard output)
     #[arg(short, long, value_name = "STILL.png")]
     output: Option<PathBuf>,
@@ -38,9 +38,13 @@ pub(super) struct Options {
 const MAX_SECS: f64 = 600.0;
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
-    let figure = Figure::named(&options.name).ok_or_else(|| {
-        let allowed = not_among("figures", &Figure::names(), &options.name);
-        Exit::Usage(format!("there is no figure called '{}'; {allowed}", options.name))
+    let name = options.name.as_deref().unwrap_or_default();
+    let figure = Figure::named(name).ok_or_else(|| {
+        let allowed = not_among("figures", &Figure::names(), name);
+        Exit::Usage(match &options.name {
+            Some(name) => format!("there is no figure called '{name}'; {allowed}"),
+            None => format!("name a figure; {allowed}"),
+        })
     })?;
     let secs = number_within(&options.at, 0.0..=MAX_SECS, "s")
         .map_err(|why| Exit::Usage(format!("--at is '{}'; {why}", options.at)))?;

@@ -35,10 +35,13 @@ pub(super) fn man(mut program: Command, options: &ManOptions) -> anyhow::Result<
             })?
         }
     };
+    // The manual has the whole text of every option.
+    let page = page.mut_args(|option| option.hide_short_help(false));
     let name = page.get_display_name().unwrap_or("flipmap").to_string();
     let mut text = Vec::new();
     Man::new(page).title(name).render(&mut text)?;
-    super::say(String::from_utf8_lossy(&text).trim_end())
+    let text = String::from_utf8_lossy(&text).replace(".SH EXTRA", ".SH EXAMPLES");
+    super::say(text.trim_end())
 }
 
 /// Prints the completions of a shell.

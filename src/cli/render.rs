@@ -39,7 +39,7 @@ pub(super) struct Options {
     #[arg(hide_short_help = true, long, value_name = "FILE")]
     state: Option<PathBuf>,
     /// Print the settings that ran, the counts and the timings as one JSON object
-    #[arg(hide_short_help = true, long)]
+    #[arg(hide_short_help = true, long, conflicts_with = "dry_run")]
     json: bool,
     /// Say how many samples there are to compute, how long that takes and how large the files become,
     /// and compute nothing
@@ -71,7 +71,11 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check(&document.picture)?;
     if options.dry_run {
-        return foresight::tell_render(&options.run.engine, &document, &spec, &paths);
+        let (engine, state) = (&options.run.engine, options.state.as_deref());
+        if state.is_some() {
+            check_has_states(&scene, spec.size(), &spec.setting.configs()[0], options.cells)?;
+        }
+        return foresight::tell_render(engine, &document, &spec, &paths, state);
     }
     let mut request =
         options.run.engine.request(spec.setting, spec.verify).answering(&document.question);
@@ -299,6 +303,7 @@ fn made(document: &Document, size: [u32; 2], paths: &Paths) -> serde_json::Value
         })),
         "center": axes.center,
         "first_pixel": axes.coordinates(0, 0),
+        "first_pixel_from_center": axes.offset(0, 0),
         "per_column": axes.right,
         "per_row": axes.down(),
         "files": files.collect::<serde_json::Map<_, _>>(),

@@ -38,8 +38,9 @@ pub(super) fn spread(
         (document.picture.times, document.picture.of_view) = (spread, true);
     }
     if let Some(flat_secs) = times.flat_secs() {
+        let to = if flat_secs > 0.0 { format!(" to {flat_secs:.0e} s") } else { String::new() };
         super::tell(&format!(
-            "flipmap: the view is flat to {flat_secs:.0e} s: there is nothing smaller here; \
+            "flipmap: the view is flat{to}: there is nothing smaller here; \
              flipmap deeper follows the nearest filament"
         ));
     }

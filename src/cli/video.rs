@@ -110,6 +110,9 @@ fn make(options: &Options, output: &Path) -> anyhow::Result<()> {
             let recipe = FilmRecipe { film: &film, document: &film.keys[0].scene, output };
             farm::check(&recipe, options.quality.into())?;
         }
+        if film.kind() == FilmKind::Flips {
+            samples(options, output, FilmSamples::check)?;
+        }
         return foresee(film, &spec, options);
     }
     keep_from_frames(&options.film.files(), output)?;
@@ -119,7 +122,7 @@ fn make(options: &Options, output: &Path) -> anyhow::Result<()> {
     let document = &film.keys[0].scene;
     let recipe = FilmRecipe { film: &film, document, output };
     let encoding = farm::check(&recipe, options.quality.into())?;
-    let samples = samples(options, output)?;
+    let samples = samples(options, output, FilmSamples::open)?;
     let request = options.film.run.engine.request(spec.setting, spec.verify);
     // Another engine would differ from the existing samples in the last digits.
     let request = match samples.earlier() {
@@ -159,11 +162,18 @@ fn foresee(film: Film, spec: &RunSpec, options: &Options) -> anyhow::Result<()> 
     }
 }
 
-/// Opens the folder of the samples: that of `--cache`, or the one beside the film.
-fn samples(options: &Options, output: &Path) -> Result<FilmSamples, Exit> {
+/// Does something with the folder of the samples: that of `--cache`, or the one beside the film.
+fn samples<T>(
+    options: &Options,
+    output: &Path,
+    what: impl Fn(&Path) -> Result<T, FilmSamplesError>,
+) -> Result<T, Exit> {
     let beside = FilmSamples::beside(output);
     let folder = options.cache.as_deref().unwrap_or(&beside);
-    FilmSamples::open(folder).map_err(|error| match error {
+    if folder == output {
+        return Err(Exit::Usage("-o and --cache name the same file".to_string()));
+    }
+    what(folder).map_err(|error| match error {
         FilmSamplesError::Name(_) if options.cache.is_none() => Exit::Failed(format!(
             "-o: the name {} leaves no room for .samples: shorten it, or give --cache",
             output.display()

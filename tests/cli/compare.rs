@@ -8,6 +8,14 @@ use crate::program::*;
 #[test]
 fn an_npz_is_compared_as_the_array_of_its_channels() {
     let folder = tempfile::tempdir().unwrap();
+    for (ask, more) in [("flip", &[][..]), ("flip", &["--rotate", "30"]), ("growth", &[])] {
+        let small = ["render", "--budget", "2", "--size", "16x12", "--engine", "cpu", "--ask", ask];
+        for name in ["f.npz", "f.npy"] {
+            done(&folder, &[&small[..], more, &["--raw", name]].concat());
+        }
+        let said = done(&folder, &["compare", "f.npz", "f.npy", "--ask", ask]);
+        assert!(said.starts_with("0 of 192 pixels differ"), "{said}");
+    }
     let map = |names: [&str; 2], at: &str| {
         for name in names {
             let question = ["render", "--ask", "state", "--at", at, "--size", "16x12"];

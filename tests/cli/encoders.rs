@@ -151,6 +151,23 @@ fn an_ffmpeg_that_is_missing_lacks_a_codec_or_fails_is_told_apart() {
     assert!(folder.path().join("f.mp4.samples/plan.toml").exists(), "samples are kept");
 }
 
+#[cfg(unix)]
+#[test]
+#[cfg_attr(no_ffmpeg, ignore = "FLIPMAP_NO_FFMPEG=1 declares that there is no ffmpeg")]
+fn an_ffmpeg_that_warns_of_what_does_no_harm_makes_films() {
+    let folder = folder();
+    let path = std::env::var("PATH").unwrap();
+    let warns =
+        format!("echo 'no version information available' >&2; PATH={path:?} exec ffmpeg \"$@\"");
+    let path = format!("{}:{path}", fake(&folder, &warns));
+    for output in ["f.mp4", "f.gif"] {
+        let film = ["video", "--zoom-to", "home", "--frames", "3", "--size", "32x24", "-o", output];
+        let film = [&film[..], &["--width", "1"], &CPU].concat();
+        let output = program(&folder, &film).env("PATH", &path).output().unwrap();
+        assert!(output.status.success(), "{}", error_of(&output));
+    }
+}
+
 #[test]
 fn the_call_of_ffmpeg_can_be_seen() {
     let folder = folder();

@@ -146,6 +146,9 @@ fn run_settings_of_files_are_refused_in_the_files_words() {
         ("view = 3", "it must be a table"),
         ("[pendulum]\nkind = 3", "it must be a text in quotes"),
         ("[view]\ncenter = [1]", "it has 1 value, not 2"),
+        ("[view]\ncenter = [\u{2212}2, 1]", "a minus sign is '-'"),
+        ("[view]\ncenter = [.5, 1]", "a point must lie between digits"),
+        ("[view]\nwidth = 1979-05-27", "it is a table or a date; it must be a number"),
     ] {
         write("w.toml", text);
         let error = refused(&folder, 2, &["render", "w.toml", "-o", "a.png"]);
@@ -191,6 +194,28 @@ fn names_that_were_nearly_right_are_guessed_everywhere() {
         let error = refused(&folder, 2, words);
         assert!(error.contains(&format!("did you mean '{meant}'?")), "{words:?}: {error}");
     }
+}
+
+#[test]
+fn a_film_says_what_cannot_be_together() {
+    let folder = folder();
+    fs::write(folder.path().join("k.toml"), "[[key]]\nsecs = 0\n").unwrap();
+    fs::write(folder.path().join("taken"), "mine").unwrap();
+    for (words, why) in [
+        (&["home", "filigree", "--vary", "time=0..2", "-o", "f"][..], "begin with one scene"),
+        (&["home", "filigree", "--zoom-to", "deep", "-o", "f"], "begin with one scene"),
+        (&["k.toml", "--vary", "time=0..2", "-o", "f"], "a file of keys says itself what changes"),
+        (&["home", "filigree", "-o", "f", "--cache", "f"], "-o and --cache name the same file"),
+        (&["home", "filigree", "-o", "dotted.folder"], "with / at the end if its name has a dot"),
+        (&["home", "filigree", "-o", "taken"], "-o taken: a film is an .mp4"),
+    ] {
+        let error = refused(&folder, 2, &[&["video", "--size", "8x6"], words].concat());
+        assert!(error.contains(why), "{words:?}: {error}");
+    }
+    let pasted = ["--vary", "gravity=1e\u{2212}1..2", "-o", "dotted.folder/", "--dry-run"];
+    let said =
+        flipmap(&folder, &[&["video", "--size", "8x6", "--engine", "cpu"], &pasted[..]].concat());
+    assert!(said.status.success(), "{}", error_of(&said));
 }
 
 #[test]

@@ -185,7 +185,7 @@ fn a_dry_run_says_what_would_be_done_and_does_nothing() {
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.starts_with("80,000 samples at most; at the "), "{said}");
     assert!(said.contains("-o a.tiff: at most 186.69 KiB\n--raw a.npz: at most "), "{said}");
-    assert!(said.contains("\nmemory: about 3"), "{said}");
+    assert!(said.contains("\nmemory: up to about 3"), "{said}");
     let film = ["--zoom-to", "filigree", "--secs", "2", "--fps", "10", "--size", "64x48"];
     let told = done(&folder, &[&["video", "-o", "z", "--dry-run"], &film[..]].concat());
     assert!(told.starts_with("20 frames of 64x48 at 10 per second: 2.0 s\n"), "{told}");
@@ -221,6 +221,8 @@ fn no_file_is_larger_than_a_dry_run_says() {
         (&["--raw", "b.csv", "--ask", "state", "--at", "1", "--rotate", "30"], "--raw", "b.csv"),
         (&["--raw", "a.npz", "--rotate", "30"], "--raw", "a.npz"),
         (&["--raw", "c"], "--raw", "c"),
+        (&["--ask", "state", "--at", "1", "--state", "s", "-o", "s.png"], "--state", "s"),
+        (&["--ask", "growth", "--state", "g", "-o", "g.png"], "--state", "g"),
         (&["--exr", "a.exr"], "--exr", "a.exr"),
         (&["--bits", "16", "-o", "a.tiff"], "-o", "a.tiff"),
         (&["--bits", "16", "--palette", "random-3", "-o", "a.png"], "-o", "a.png"),
@@ -242,6 +244,7 @@ fn a_dry_run_refuses_what_the_run_would_refuse() {
     for words in [
         &["render", "--size", "70000x10", "-o", "x.jpg"][..],
         &["render", "--size", "4x4", "-o", "nowhere/x.png"],
+        &["render", "trench", "--size", "16x12", "--state", "x.st", "-o", "x.png"],
         &["video", "--zoom-to", "filigree", "-o", "nowhere/f.mp4"],
         &["video", "--zoom-to", "filigree", "--quality", "50", "-o", "folder"],
     ] {

@@ -3,6 +3,7 @@
 use std::fs;
 
 use super::{error_of, flipmap, folder, render};
+use crate::program::refused;
 
 #[test]
 fn a_scene_gives_its_picture_a_name_once() {
@@ -76,7 +77,13 @@ fn the_manual_and_completions_know_every_subcommand() {
     ] {
         assert!(words.contains(values), "{values}");
     }
-    assert!(said(&["man", "render"]).contains("\\-\\-palette"));
+    let page = said(&["man", "render"]);
+    assert!(page.contains("\\-\\-palette") && page.contains(".SH EXAMPLES"));
+    assert!(page.contains("Save pixels that can go on"), "help that -h leaves out");
+    let guessed = error_of(&flipmap(&folder, &["filigree"]));
+    assert!(guessed.contains("'filigree' is a scene: flipmap render filigree"), "{guessed}");
+    let none = refused(&folder, 2, &["lab"]);
+    assert!(none.contains("name a figure; the figures are single"), "{none}");
     assert_eq!(flipmap(&folder, &["man", "rendr"]).status.code(), Some(2));
 }
 

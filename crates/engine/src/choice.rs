@@ -113,7 +113,7 @@ impl Default for IntegrationSetting {
 
 impl IntegrationSetting {
     /// The configurations that satisfy the setting, the preferred one first.
-    fn configs(self) -> Vec<IntegratorConfig> {
+    pub fn configs(self) -> Vec<IntegratorConfig> {
         match self {
             IntegrationSetting::Accuracy(accuracy) => accuracy.configs(),
             IntegrationSetting::Explicit(config) => vec![config],
@@ -151,6 +151,8 @@ pub struct Chosen {
 
 /// Chooses and starts an engine; `tell` receives a message before anything that takes long.
 pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
+    // Whatever the engine is, it is refused before it is measured and its kernels are compiled.
+    request.ends.check(&request.configs()[0])?;
     let chosen = match (request.kind, &request.adapter) {
         (Some(EngineKind::Cpu), _) if request.ends.are_carried() => {
             cpu(request, "the engine for this question unless another is named".to_string())?
@@ -180,8 +182,13 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
     let Some(row) = fastest(&profile, request.setting) else {
         return first_trusted(request)?.or_else(|why| cpu(request, why));
     };
-    let why =
-        format!("{:.1} µs a pixel on this machine, the fastest of its profile", row.us_per_pixel);
+    let rivals = profile.rows.iter().filter(|rival| rival.accuracy == row.accuracy);
+    let slower = |rival: &ProfileRow| rival.us_per_pixel >= row.us_per_pixel;
+    let but = if rivals.clone().all(slower) { "" } else { " but for graphics in software" };
+    let why = format!(
+        "{:.1} µs a pixel on this machine, the fastest of its profile{but}",
+        row.us_per_pixel
+    );
     if row.engine == EngineKind::Cpu {
         return cpu(request, why);
     }

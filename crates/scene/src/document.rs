@@ -238,7 +238,13 @@ pub fn one_line(error: &toml::de::Error, text: &str) -> String {
 
 /// Returns a message of the parser in the words of people who write files.
 fn in_plain_words(message: &str) -> String {
-    const WORDS: [(&str, &str); 17] = [
+    const WORDS: [(&str, &str); 20] = [
+        (
+            "string values must be quoted, expected literal string",
+            "a value must be a number, true, false or a text in quotes; a minus sign is '-'",
+        ),
+        ("invalid mantissa, expected digits", "a point must lie between digits, as in 0.5 or 5.0"),
+        ("invalid type: map, expected a number", "it is a table or a date; it must be a number"),
         ("invalid type: ", "it is the "),
         ("invalid value: ", "it is the "),
         (", expected one of ", "; it must be one of "),

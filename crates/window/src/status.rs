@@ -61,8 +61,9 @@ impl AppModel {
             ),
         });
         let flat = self.spread.flat_secs().map(|secs| {
-            let secs = significant(secs, 1);
-            format!("flat to {secs} s: nothing smaller here; D follows the nearest filament")
+            let to =
+                if secs > 0.0 { format!(" to {} s", significant(secs, 1)) } else { String::new() };
+            format!("flat{to}: nothing smaller here; D follows the nearest filament")
         });
         self.compute.following().or(diving).or(self.compute.comparing()).or(flat)
     }

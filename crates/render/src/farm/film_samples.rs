@@ -49,22 +49,29 @@ impl FilmSamples {
         film.with_file_name(name)
     }
 
-    /// Makes the folder if necessary. Refuses one that cannot be written, and one with a plan that a
-    /// film did not write.
-    pub fn open(folder: &Path) -> Result<Self, FilmSamplesError> {
+    /// Refuses a folder whose place a file takes, and one with a plan that a film did not write.
+    pub fn check(folder: &Path) -> Result<(), FilmSamplesError> {
+        if folder.exists() && !folder.is_dir() {
+            return Err(FilmSamplesError::File(folder.to_path_buf()));
+        }
         let plan = folder.join("plan.toml");
         let is_film =
             || plan.is_file() && read_text(&plan).is_ok_and(|text| Plan::is_kept_by_film(&text));
         if plan.exists() && !is_film() {
             return Err(FilmSamplesError::Foreign(plan));
         }
+        Ok(())
+    }
+
+    /// Makes the folder if necessary. Refuses one that cannot be written, and what
+    /// [`FilmSamples::check`] refuses.
+    pub fn open(folder: &Path) -> Result<Self, FilmSamplesError> {
+        Self::check(folder)?;
+        let plan = folder.join("plan.toml");
         let made = fs::create_dir_all(folder)
             .and_then(|()| SafeFile::check(&Destination::File(plan.clone())));
         made.map_err(|source| match source.kind() {
             ErrorKind::InvalidFilename => FilmSamplesError::Name(folder.to_path_buf()),
-            _ if folder.exists() && !folder.is_dir() => {
-                FilmSamplesError::File(folder.to_path_buf())
-            }
             _ => FilmSamplesError::Write { folder: folder.to_path_buf(), source },
         })?;
         Ok(FilmSamples { folder: folder.to_path_buf(), plan })

@@ -67,8 +67,8 @@ pub enum PlanError {
     Version(String),
     /// A plan that was edited after it was made.
     #[error(
-        "was changed after it was planned, in some line that its `sha256`, a checksum of the whole, does \
-         not tell: plan it again with what you want"
+        "was changed after it was planned, as its checksum (`sha256`) tells: plan it again with what you \
+         want"
     )]
     Changed,
     /// A plan without exactly one still or film, or with one that is not valid.

@@ -72,12 +72,12 @@ pub enum CompareError {
         why: String,
     },
     /// An array compared with a picture.
-    #[error("{a} has flip times and {b} colours, or the other way round: compare like with like")]
+    #[error("{times} has times and {colours} has colours: compare like with like")]
     Unlike {
-        /// Path of one result.
-        a: PathBuf,
-        /// Path of the other result.
-        b: PathBuf,
+        /// Path of the array.
+        times: PathBuf,
+        /// Path of the picture.
+        colours: PathBuf,
     },
     /// Results with different numbers of channels: answers to different questions.
     #[error(
@@ -299,6 +299,10 @@ impl Difference {
     }
 }
 
+fn unlike(times: ResultRows, colours: ResultRows) -> CompareError {
+    CompareError::Unlike { times: times.path, colours: colours.path }
+}
+
 /// Compares two results and passes each row of differences to `row`, from the top.
 pub fn compare(
     mut a: ResultRows,
@@ -306,8 +310,10 @@ pub fn compare(
     (yardstick, tolerance): (&Yardstick, f64),
     row: &mut dyn FnMut(&[Difference]) -> io::Result<()>,
 ) -> Result<Comparison, CompareError> {
-    if a.has_times() != b.has_times() {
-        return Err(CompareError::Unlike { a: a.path, b: b.path });
+    match (a.has_times(), b.has_times()) {
+        (true, false) => return Err(unlike(a, b)),
+        (false, true) => return Err(unlike(b, a)),
+        (true, true) | (false, false) => {}
     }
     if a.size != b.size {
         let (a_size, b_size) = (a.size, b.size);
@@ -328,7 +334,7 @@ pub fn compare(
             (ResultRow::Colours(a), ResultRow::Colours(b)) => {
                 a.chunks(4).zip(b.chunks(4)).map(|(a, b)| Difference::of_colours(a, b)).collect()
             }
-            _ => return Err(CompareError::Unlike { a: a.path, b: b.path }),
+            _ => unreachable!("arrays are compared with arrays, and pictures with pictures"),
         };
         differences.iter().for_each(|difference| comparison.add(*difference, tolerance));
         row(&differences).map_err(CompareError::Picture)?;

@@ -35,7 +35,7 @@ pub(super) enum ArrayError {
     Length { found: u64, needed: u64 },
     #[error("is no .npz: {0}")]
     Zip(#[from] zip::result::ZipError),
-    #[error("has none of the arrays that render writes into a .npz, such as time")]
+    #[error("does not begin with the arrays that render writes into a .npz, such as time")]
     NoChannel,
     #[error("holds '{0}' compressed: save it with numpy.savez")]
     Compressed(String),
@@ -52,7 +52,8 @@ impl ResultArrays {
         Ok(ResultArrays { size, arrays: vec![array] })
     }
 
-    /// Opens the channels in a `.npz`, in the order of the file.
+    /// Opens the channels in a `.npz`, which come first in it: later arrays, of coordinates, can be
+    /// called as a channel of another question is.
     pub(super) fn of_npz(path: &Path) -> Result<Self, ArrayError> {
         let mut zip = ZipArchive::new(BufReader::new(open_plain(path)?))?;
         let known = QuestionName::channel_names();
@@ -61,7 +62,7 @@ impl ResultArrays {
             let entry = zip.by_index_raw(index)?;
             let name = entry.name().strip_suffix(".npy").unwrap_or_default();
             if !known.contains(&name) {
-                continue;
+                break;
             }
             if entry.compression() != CompressionMethod::Stored {
                 return Err(ArrayError::Compressed(name.to_string()));

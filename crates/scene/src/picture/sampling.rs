@@ -45,6 +45,14 @@ impl Sampling {
             Sampling::Square(along) => size.map(|side| side * along),
         }
     }
+
+    /// Returns the largest number of samples that a picture of `size` pixels can take: with samples
+    /// in corners, each pixel can have another in its middle.
+    pub fn most_samples(self, size: [u32; 2]) -> u64 {
+        let count = |size: [u32; 2]| size.into_iter().map(u64::from).product::<u64>();
+        let middles = if self == Sampling::Corners { count(size) } else { 0 };
+        count(self.grid_size(size)) + middles
+    }
 }
 
 impl Display for Sampling {
@@ -101,6 +109,13 @@ impl Visitor<'_> for NumberOrWord {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_sample_is_counted() {
+        assert_eq!(Sampling::SINGLE.most_samples([64, 48]), 3072);
+        assert_eq!(Sampling::Square(3).most_samples([64, 48]), 9 * 3072);
+        assert_eq!(Sampling::Corners.most_samples([64, 48]), 65 * 49 + 3072);
+    }
     use crate::PictureTable;
 
     fn read(text: &str) -> Result<Sampling, String> {

@@ -20,7 +20,10 @@ pub enum Codec {
 
 /// A name that no film can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a film is an .mp4, an .mkv (lossless), a .gif, a .webp, or a folder of numbered pictures")]
+#[error(
+    "a film is an .mp4, an .mkv (lossless), a .gif, a .webp, or a folder of numbered pictures \
+         (with / at the end if its name has a dot)"
+)]
 pub struct NoFilmName;
 
 /// How well a lossy film keeps its frames.
@@ -55,7 +58,8 @@ impl Codec {
     /// other names. `/` and `..`, beside which no samples could lie, name no film.
     pub fn of_film(path: &Path) -> Result<Option<Codec>, NoFilmName> {
         let codec = Codec::of(path);
-        let is_other = path.extension().is_some() && !path.is_dir();
+        let is_folder = path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/");
+        let is_other = (path.extension().is_some() || path.exists()) && !is_folder;
         let is_nameless = path.file_name().is_none() || path.as_os_str() == "-";
         if codec.is_none() && (is_other || is_nameless) { Err(NoFilmName) } else { Ok(codec) }
     }

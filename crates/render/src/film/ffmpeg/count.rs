@@ -34,7 +34,8 @@ fn packets(path: &Path) -> Result<u64, FfmpegError> {
         .map_err(FfmpegError::Missing)?;
     if !output.status.success() {
         let said = String::from_utf8_lossy(&output.stderr).trim().replace('\n', "; ");
-        return Err(FfmpegError::Failed(format!("the film that it wrote cannot be read: {said}")));
+        let why = if said.is_empty() { output.status.to_string() } else { said };
+        return Err(FfmpegError::Failed(format!("the film that it wrote cannot be read: {why}")));
     }
     // A packet's line begins with the number of its stream, which is the only one.
     let lines = output.stdout.split(|byte| *byte == b'\n');

@@ -71,15 +71,20 @@ impl Encoder {
         drop(self.child.stdin.take());
         let status = self.child.wait();
         let lines = self.last_lines();
-        // On a full disk ffmpeg may complain and still exit as if all were well.
-        if !lines.is_empty() || !status.is_ok_and(|status| status.success()) {
+        if !status.is_ok_and(|status| status.success()) {
             return Err(failed(lines, "it ended early"));
         }
         let file = self.file.take().expect("it is taken only here");
         if let Some(beside) = file.beside() {
-            let found = frames_in(self.codec, beside)?;
-            if found != self.frames {
-                return Err(FfmpegError::Frames { given: self.frames, found });
+            // On a full disk ffmpeg may complain and still exit as if all were well; it may also
+            // complain of what does no harm.
+            match frames_in(self.codec, beside) {
+                Ok(found) if found == self.frames => {}
+                Ok(found) if lines.is_empty() => {
+                    return Err(FfmpegError::Frames { given: self.frames, found });
+                }
+                Err(why) if lines.is_empty() => return Err(why),
+                Ok(_) | Err(_) => return Err(failed(lines, "it ended early")),
             }
         }
         let path = self.path.clone();
@@ -92,7 +97,11 @@ impl Encoder {
 
     fn failure(&mut self) -> FfmpegError {
         drop(self.child.stdin.take());
-        let ended = self.child.wait().map_or_else(|error| error.to_string(), |it| it.to_string());
+        let ended = match self.child.wait() {
+            Ok(status) if status.success() => "it ended before it had all frames".to_string(),
+            Ok(status) => status.to_string(),
+            Err(error) => error.to_string(),
+        };
         failed(self.last_lines(), &ended)
     }
 }

@@ -90,13 +90,42 @@ fn check_replaceable(path: &Path) -> io::Result<()> {
     let names: Vec<_> = names.collect::<io::Result<_>>()?;
     let holds = |name: &str| names.iter().any(|found| found == name);
     let ours = [IMAGE, PAGE, SCENE, TILES].map(OsStr::new);
-    let foreign = names.iter().find(|name| !ours.contains(&name.as_os_str()));
+    let mut foreign =
+        names.iter().find(|name| !ours.contains(&name.as_os_str())).map(PathBuf::from);
+    if foreign.is_none() && holds(TILES) {
+        foreign = no_tile_in(&path.join(TILES))?.map(|name| Path::new(TILES).join(name));
+    }
     if names.is_empty() || (holds(IMAGE) && holds(PAGE) && foreign.is_none()) {
         return Ok(());
     }
-    let found = foreign.unwrap_or(&names[0]).to_string_lossy();
+    let found = foreign.unwrap_or_else(|| PathBuf::from(&names[0]));
+    let found = found.display();
     let text = format!("holds {found} and is not a pyramid of flipmap's: name a new folder");
     Err(io::Error::other(text))
+}
+
+/// Returns a name in a folder of tiles that a pyramid does not have: its levels are folders with
+/// numbers for names, and hold tiles such as `3_14.png`.
+fn no_tile_in(tiles: &Path) -> io::Result<Option<PathBuf>> {
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let is_tile = |name: &str| {
+        let place = name.strip_suffix(".png").and_then(|place| place.split_once('_'));
+        place.is_some_and(|(column, row)| is_number(column) && is_number(row))
+    };
+    for level in fs::read_dir(tiles)? {
+        let level = level?;
+        let name = PathBuf::from(level.file_name());
+        if !level.file_type()?.is_dir() || !name.to_str().is_some_and(is_number) {
+            return Ok(Some(name));
+        }
+        for tile in fs::read_dir(level.path())? {
+            let tile = tile?.file_name();
+            if !tile.to_str().is_some_and(is_tile) {
+                return Ok(Some(name.join(tile)));
+            }
+        }
+    }
+    Ok(None)
 }
 
 /// Refuses a folder where another disk is mounted: a folder beside it cannot be renamed onto it.
@@ -157,6 +186,15 @@ mod tests {
         write(&at("map"), "ours").unwrap();
         fs::write(at("map").join("notes.txt"), "mine").unwrap();
         assert!(refused(&at("map")).contains("holds notes.txt"));
+        fs::remove_file(at("map").join("notes.txt")).unwrap();
+        fs::create_dir_all(at("map").join("map_files/0")).unwrap();
+        fs::write(at("map").join("map_files/0/0_0.png"), "ours").unwrap();
+        assert!(PyramidFolder::create(&at("map")).is_ok());
+        for foreign in ["map_files/0/my.txt", "map_files/note.txt"] {
+            fs::write(at("map").join(foreign), "mine").unwrap();
+            assert!(refused(&at("map")).contains(&format!("holds {foreign} and is not a pyramid")));
+            fs::remove_file(at("map").join(foreign)).unwrap();
+        }
         if Path::new("/proc/version").exists() {
             assert!(refused(Path::new("/proc")).contains("holds"));
         }
