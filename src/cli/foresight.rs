@@ -103,10 +103,16 @@ const SAVED_BYTES: [u64; 2] = [160, 700];
 /// Bytes of what a pixel carries along, as tangents or for its nearest return.
 const CARRIED_BYTES: u64 = 200;
 
-/// Returns the bytes of a saved pixel in a file and in memory.
-fn saved_bytes(document: &Document) -> [u64; 2] {
+/// Returns the bytes of the saved pixels of a picture in a file and in memory. Mirror images are not
+/// saved.
+fn saved_bytes(document: &Document, size: [u32; 2]) -> [u64; 2] {
     let carries = WantedEnds::from(document.question.ask.kind().needs).are_carried();
-    SAVED_BYTES.map(|bytes| bytes + if carries { CARRIED_BYTES } else { 0 })
+    let [width, height] = size.map(u64::from);
+    let saved = match mirrored_bytes(&document.scene(), size) {
+        Some(_) => width * height.div_ceil(2),
+        None => width * height,
+    };
+    SAVED_BYTES.map(|bytes| saved * (bytes + if carries { CARRIED_BYTES } else { 0 }))
 }
 
 /// Room for the heads of files, their scenes and what surrounds a pyramid.
@@ -128,7 +134,7 @@ fn file_size(option: &str, path: &Path, size: [u32; 2], document: &Document) -> 
         ("--raw", Some("csv")) => (100 + 25 * channels) * pixels,
         ("--raw", _) => 8 * channels * pixels,
         ("--exr", _) => (4 * channels + 16) * pixels,
-        ("--state", _) => saved_bytes(document)[0] * pixels,
+        ("--state", _) => saved_bytes(document, size)[0],
         // The levels of a pyramid add a third, and every tile is a file.
         ("--pyramid", _) => 4 * pixels + 1024 * (pixels >> 15),
         _ => 3 * depth * pixels + height,
@@ -145,8 +151,7 @@ fn memory(document: &Document, size: [u32; 2], paths: &Paths, saves: bool) -> St
     let mirrored = mirrored_bytes(&document.scene(), document.picture.samples.grid_size(size));
     let wholes = [&paths.picture, &paths.trust].into_iter().flatten();
     let wholes: u64 = wholes.map(|path| whole_bytes(path, size)).sum();
-    let pixels = size.map(u64::from).iter().product::<u64>();
-    let saved = if saves { saved_bytes(document)[1] * pixels } else { 0 };
+    let saved = if saves { saved_bytes(document, size)[1] } else { 0 };
     let bytes = OWN_MEMORY + mirrored.unwrap_or(0) + wholes + saved;
     format!("memory: up to about {}", HumanBytes(bytes))
 }

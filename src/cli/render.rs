@@ -71,11 +71,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         options.state.as_deref().map(|path| Continued::open(path, &document)).transpose()?;
     paths.check(&document.picture)?;
     if options.dry_run {
-        let (engine, state) = (&options.run.engine, options.state.as_deref());
-        if state.is_some() {
-            check_has_states(&scene, spec.size(), &spec.setting.configs()[0], options.cells)?;
-        }
-        return foresight::tell_render(engine, &document, &spec, &paths, state);
+        return foresee(options, &document, &spec, &paths);
     }
     let mut request =
         options.run.engine.request(spec.setting, spec.verify).answering(&document.question);
@@ -124,6 +120,21 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     tell(&ran, &scene);
     Ok(())
+}
+
+/// Says what the render would take; refuses a state of pixels that have none.
+fn foresee(
+    options: &Options,
+    document: &Document,
+    spec: &RunSpec,
+    paths: &Paths,
+) -> anyhow::Result<()> {
+    let state = options.state.as_deref();
+    if state.is_some() {
+        let config = &spec.setting.configs()[0];
+        check_has_states(&document.scene(), spec.size(), config, options.cells)?;
+    }
+    foresight::tell_render(&options.run.engine, document, spec, paths, state)
 }
 
 /// Returns what progress counts.

@@ -280,7 +280,7 @@ mod tests {
         );
         let wrong = refused("shards = 8", "shards = true");
         assert!(wrong.contains("is not a plan: line 4, column 10: it is the boolean 'true'; it must be a whole number"), "{wrong}");
-        assert!(refused("shards = 8", "shards = 9").contains("a checksum of the whole"));
+        assert!(refused("shards = 8", "shards = 9").contains("as its checksum"));
         assert!(Plan::parse("width = 3").unwrap_err().to_string().contains("is not a plan"));
     }
 }

@@ -132,7 +132,11 @@ pub(crate) fn film_caption(
     picture: &PictureTable,
     shot: &Shot,
 ) -> Result<Option<Inset>, SceneError> {
-    picture.caption.then(|| caption(&shot.scene, shot.clock_secs, film.size)).transpose()
+    if !picture.caption {
+        return Ok(None);
+    }
+    let caption = caption(&shot.scene, shot.clock_secs, film.size)?;
+    Ok(Some(caption.clear_of(film_legend(film, picture)?.as_ref())))
 }
 
 /// Returns the legend of a film, if its picture has one.

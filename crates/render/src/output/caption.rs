@@ -95,6 +95,21 @@ mod tests {
     }
 
     #[test]
+    fn a_caption_covers_no_legend() {
+        let home = Scene::default();
+        let legend = |width: u32| Inset {
+            corner: [10, 100],
+            size: [width, 80],
+            pixels: vec![([0; 3], 1.0); (80 * width) as usize],
+        };
+        let alone = || caption(&home, None, [320, 200]).unwrap();
+        assert_eq!(alone().clear_of(Some(&legend(60))).corner, alone().corner, "beside it");
+        let above = alone().clear_of(Some(&legend(260)));
+        assert_eq!(above.corner[0], alone().corner[0]);
+        assert!(above.corner[1] + above.size[1] < 100, "{:?}", above.corner);
+    }
+
+    #[test]
     fn a_clock_has_a_row_of_its_own_and_small_pictures_no_room() {
         let home = Scene::default();
         let rows = |scene: &Scene, secs| caption(scene, secs, [640, 400]).unwrap().size[1];

@@ -26,6 +26,9 @@ pub(super) enum Corner {
     Right,
 }
 
+/// Rows between two insets one above the other.
+const GAP: u32 = 4;
+
 /// A finished drawing, ready to be laid over a picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Inset {
@@ -37,6 +40,18 @@ pub(crate) struct Inset {
 }
 
 impl Inset {
+    /// Returns the inset where it covers no other: above it if they lie in the same columns.
+    #[must_use]
+    pub(crate) fn clear_of(self, other: Option<&Inset>) -> Self {
+        let overlaps = |other: &&Inset| {
+            let right = |inset: &Inset| inset.corner[0] + inset.size[0];
+            self.corner[0] < right(other) && other.corner[0] < right(&self)
+        };
+        let Some(below) = other.filter(overlaps) else { return self };
+        let y = below.corner[1].saturating_sub(GAP + self.size[1]);
+        Inset { corner: [self.corner[0], y], ..self }
+    }
+
     /// Lays the inset over a whole picture `width` pixels wide, three bytes a pixel, rows from the
     /// top.
     pub(crate) fn lay_over(&self, rgb: &mut [u8], width: u32) {

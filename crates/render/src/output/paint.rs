@@ -45,8 +45,10 @@ impl RowPainter {
     /// painted.
     pub fn new(scene: &Scene, size: [u32; 2], picture: &PictureTable) -> Result<Self, SceneError> {
         let colours = AnswerColours::new(scene, picture)?;
-        let legend = picture.legend.then(|| legend(&colours, scene.question.ask, size));
-        let caption = picture.caption.then(|| caption(scene, None, size));
+        let legend =
+            picture.legend.then(|| legend(&colours, scene.question.ask, size)).transpose()?;
+        let caption = picture.caption.then(|| caption(scene, None, size)).transpose()?;
+        let caption = caption.map(|caption| caption.clear_of(legend.as_ref()));
         let samples_along = picture.samples.along();
         let fine = size.map(|side| side * samples_along);
         let relief = Relief::of(picture).filter(|_| colours.times().is_some());
@@ -54,7 +56,7 @@ impl RowPainter {
         let denoised = picture.denoises().then(|| DenoisedRows::new(size, &colours.ground()));
         let curve = picture.curve && scene.build.pendulum().q > 0.0;
         Ok(RowPainter {
-            insets: legend.into_iter().chain(caption).collect::<Result<_, _>>()?,
+            insets: legend.into_iter().chain(caption).collect(),
             lit: relief.map(|relief| LitRows::new(relief, fine)),
             colours,
             curve,
