@@ -113,7 +113,7 @@ impl FilmOptions {
                      leave the option out",
                 );
             }
-            ([keys], _, Some(_)) if is_toml(keys) && holds_film_keys(keys) => {
+            ([keys], _, Some(_)) if holds_keys(Path::new(keys)) => {
                 return usage(
                     "a file of keys says itself what changes: give --vary one scene, or leave it out",
                 );
@@ -197,18 +197,11 @@ fn is_toml(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
 }
 
-fn holds_film_keys(name: &str) -> bool {
-    read_text(Path::new(name)).is_ok_and(|text| text.contains(KEY))
-}
-
-/// The line with which each key of a film begins.
-const KEY: &str = "[[key]]";
-
 fn read_keys(name: &str) -> Result<Vec<Key>, Exit> {
     let refuse = |why: &dyn std::fmt::Display| Exit::Usage(format!("{name}: {why}"));
     let text =
         read_text(Path::new(name)).map_err(|error| refuse(&format!("cannot be read: {error}")))?;
-    if !text.contains(KEY) {
+    if !text.contains("[[key]]") {
         return Err(refuse(
             &"there are no keys in it (each begins with a line [[key]]); a film of one scene \
               needs --zoom-to or --vary, and a plan is for flipmap run and merge",

@@ -214,7 +214,9 @@ impl PictureOptions {
         self.repeat(picture)?;
         set(&mut picture.offset, "--offset", &self.offset, within(PictureTable::OFFSETS))?;
         set(&mut picture.relief, "--relief", &self.relief, within(PictureTable::RELIEFS))?;
-        set(&mut picture.light, "--light", &self.light, within(PictureTable::LIGHTS_DEG))?;
+        set(&mut picture.light, "--light", &self.light, |text| {
+            within(PictureTable::LIGHTS_DEG)(text.trim_end_matches(['°', ' ']))
+        })?;
         set(&mut picture.bits, "--bits", &self.bits, |text| {
             text.parse().map_err(|_| "it must be 8 or 16")
         })?;

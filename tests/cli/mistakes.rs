@@ -110,6 +110,7 @@ const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (&["--accuracy", "exakt"], 2, &["--accuracy is 'exakt'", "did you mean 'exact'?"]),
     (&["--method", "dop835"], 2, &["--method is 'dop835'", "did you mean 'dop853'?"]),
     (&["--precision", "df23"], 2, &["--precision is 'df23'", "did you mean 'df32'?"]),
+    (&["--light", "1,5°"], 2, &["--light is '1,5°'"]),
     (&["--scale", "liner"], 2, &["--scale is 'liner'", "did you mean 'linear'?"]),
     (&["--samples", "corner"], 2, &["--samples is 'corner'", "did you mean 'corners'?"]),
     (&["--cells", "alway"], 2, &["'alway'", "'always'"]),

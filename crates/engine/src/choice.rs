@@ -182,9 +182,12 @@ fn automatic(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, Cho
     let Some(row) = fastest(&profile, request.setting) else {
         return first_trusted(request)?.or_else(|why| cpu(request, why));
     };
-    let rivals = profile.rows.iter().filter(|rival| rival.accuracy == row.accuracy);
-    let slower = |rival: &ProfileRow| rival.us_per_pixel >= row.us_per_pixel;
-    let but = if rivals.clone().all(slower) { "" } else { " but for graphics in software" };
+    let passed_over = |rival: &ProfileRow| {
+        let is_faster = rival.us_per_pixel < row.us_per_pixel;
+        rival.software && rival.accuracy == row.accuracy && is_faster
+    };
+    let is_any = profile.rows.iter().any(passed_over);
+    let but = if is_any { " but for graphics in software" } else { "" };
     let why = format!(
         "{:.1} µs a pixel on this machine, the fastest of its profile{but}",
         row.us_per_pixel
