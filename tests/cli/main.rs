@@ -73,6 +73,8 @@ fn a_map_and_its_times_are_written() {
     // Home at 4 : 3 is 8 π / 3 wide, with π in its middle.
     assert!((corner[0] - (std::f64::consts::PI - 15.5 * step)).abs() < 1e-12, "{corner:?}");
     assert!((32.0 * step - 8.0 / 3.0 * std::f64::consts::PI).abs() < 1e-12, "{step}");
+    let from_center = made["first_pixel_from_center"][0].as_f64().unwrap();
+    assert!((from_center + 15.5 * step).abs() < 1e-12, "{from_center}");
     assert_eq!(object["forbidden"], count(|t| t.is_nan()));
     assert_eq!(object["unflipped"], count(|t| t.is_infinite()));
 }

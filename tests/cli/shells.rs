@@ -259,6 +259,13 @@ fn a_dry_run_refuses_what_the_run_would_refuse() {
         assert!(run.lines().last() == Some(why), "{words:?}: {said} {run}");
         assert!(names_in(&folder).is_empty(), "{words:?}");
     }
+    fs::write(folder.path().join("taken"), "mine").unwrap();
+    let film = ["video", "home", "filigree", "--size", "16x12", "--engine", "cpu"];
+    let cached = [&film[..], &["-o", "f", "--cache", "taken", "--dry-run"]].concat();
+    let said = error_of(&flipmap(&folder, &cached));
+    assert!(said.contains("cannot keep samples in taken: it is a file, not a folder"), "{said}");
+    let json = flipmap(&folder, &["render", "--json", "--dry-run", "-o", "a.png"]);
+    assert!(json.status.code() == Some(2) && json.stdout.is_empty(), "{}", error_of(&json));
 }
 
 #[test]
