@@ -6,11 +6,11 @@ use anyhow::Context;
 use clap::Args;
 use flipmap_render::output::compare::{Comparison, Difference, ResultRows, Yardstick, compare};
 use flipmap_render::output::{PICTURES, PictureFile, SafeFile, read_document};
+use flipmap_scene::QuestionSettings;
 use flipmap_scene::question::QuestionName;
-use flipmap_scene::{QuestionSettings, number_within};
 
 use super::exit::Exit;
-use super::options::set;
+use super::options::{number_of, set};
 use super::same_file::keep_apart;
 use super::suggested::Suggested;
 
@@ -48,13 +48,10 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let Some(path) = &options.output {
         super::check_name(path, "-o", PICTURES)?;
     }
-    let mut tolerance = None;
-    set(&mut tolerance, "--tolerance", &options.tolerance, |text| {
-        number_within(text, 0.0..=1e6, "").map(Some)
-    })?;
-    let allowed = number_within(&options.share, 0.0..=1.0, "");
-    let allowed =
-        allowed.map_err(|why| Exit::Usage(format!("--share is '{}'; {why}", options.share)))?;
+    let tolerance = options.tolerance.as_deref();
+    let tolerance =
+        tolerance.map(|text| number_of("--tolerance", text, 0.0..=1e6, "")).transpose()?;
+    let allowed = number_of("--share", &options.share, 0.0..=1.0, "")?;
     let ask = asked(options)?;
     one_question(&options.a, &options.b)?;
     let (a, b) = (ResultRows::open(&options.a)?, ResultRows::open(&options.b)?);

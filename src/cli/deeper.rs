@@ -9,10 +9,10 @@ use flipmap_engine::choice::Chosen;
 use flipmap_render::output::{Destination, SafeFile, is_stdout};
 use flipmap_render::tiles::descent::{Descent, DescentStep};
 use flipmap_scene::keys::{Easing, Keys};
-use flipmap_scene::{MIN_WIDTH, Scene, location, number_within};
+use flipmap_scene::{MIN_WIDTH, Scene, location};
 
 use super::exit::Exit;
-use super::options::SceneOptions;
+use super::options::{SceneOptions, number_of};
 use super::run_options::{RunOptions, start};
 use super::same_file::keep_apart;
 use super::stop;
@@ -35,8 +35,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     options.run.engine.check()?;
     let output = options.output.as_deref().map(|path| ("-o", path));
     keep_apart(options.scene.file().as_slice(), output.as_slice())?;
-    let to = number_within(&options.to, MIN_WIDTH..=1.0, "rad")
-        .map_err(|why| Exit::Usage(format!("--to is '{}'; {why}", options.to)))?;
+    let to = number_of("--to", &options.to, MIN_WIDTH..=1.0, "rad")?;
     if let Some(path) = &options.output {
         super::check_name(path, "-o", &["toml"])?;
         super::check(path, "-o")?;

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue};
 use flipmap_engine::EngineError;
 use flipmap_engine::choice::ChoiceError;
-use flipmap_render::output::{self, OutputError};
+use flipmap_render::output::{self, OutputError, shell_word};
 use flipmap_scene::{BuiltIn, DocumentError, SceneError};
 
 use super::option_names::option_of;
@@ -101,7 +101,7 @@ pub(super) fn leave(error: &clap::Error) -> ! {
     }
     let text = error.render().to_string();
     let lines: Vec<String> = text.lines().map(|line| shortened(&in_our_words(line))).collect();
-    let text = printable(&lines.join("\n")) + &meant(error);
+    let text = printable(&(lines.join("\n") + &meant(error)));
     if says_json() {
         voice::set(Voice::Json);
         tell_error(text.trim_start_matches("error: ").trim_end());
@@ -116,10 +116,10 @@ fn meant(error: &clap::Error) -> String {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return String::new();
     };
-    match BuiltIn::named(word).is_some() || word.ends_with(".toml") || word.ends_with(".png") {
-        true => format!("\n\n  tip: '{word}' is a scene: flipmap render {word}, or explore {word}"),
-        false => String::new(),
+    if BuiltIn::named(word).is_none() && !word.ends_with(".toml") && !word.ends_with(".png") {
+        return String::new();
     }
+    format!("\n\n  tip: '{word}' is a scene: flipmap render {0}", shell_word(word.as_ref()))
 }
 
 /// Returns a line of clap's with what Rust's parsers of numbers say in the words of people.

@@ -8,9 +8,10 @@ use flipmap_lab::home::home_map;
 use flipmap_lab::still::{Still, draw, still};
 use flipmap_lab::{Figure, Lab, flips};
 use flipmap_render::output::{PICTURES, PictureFile};
-use flipmap_scene::{not_among, number_within};
+use flipmap_scene::not_among;
 
 use super::exit::Exit;
+use super::options::number_of;
 use super::same_file::{keep_apart, one_stream};
 use super::size;
 use super::suggested::Suggested;
@@ -46,8 +47,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
             None => format!("name a figure; {allowed}"),
         })
     })?;
-    let secs = number_within(&options.at, 0.0..=MAX_SECS, "s")
-        .map_err(|why| Exit::Usage(format!("--at is '{}'; {why}", options.at)))?;
+    let secs = number_of("--at", &options.at, 0.0..=MAX_SECS, "s")?;
     let size = size(&options.size)?;
     if options.output.is_none() && options.csv.is_none() {
         let message = "nothing to write: give -o STILL.png, --csv DATA.csv or both";

@@ -1,12 +1,13 @@
 //! The options that describe a scene, and their conversion into a checked document.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use clap::builder::Resettable;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_render::output::named_document;
-use flipmap_scene::{BuiltIn, Document, RunTable, SceneError, Setting, View};
+use flipmap_scene::{BuiltIn, Document, RunTable, SceneError, Setting, View, number_within};
 
 use super::exit::Exit;
 use super::same_file::Named;
@@ -140,6 +141,17 @@ pub(super) fn set<T, Why: std::fmt::Display>(
         *value = parse(text).map_err(|why| Exit::Usage(format!("{option} is '{text}'; {why}")))?;
     }
     Ok(())
+}
+
+/// Reads an option's number of the given range; a usage error names the option.
+pub(super) fn number_of(
+    option: &str,
+    text: &str,
+    range: RangeInclusive<f64>,
+    unit: &str,
+) -> Result<f64, Exit> {
+    number_within(text, range, unit)
+        .map_err(|why| Exit::Usage(format!("{option} is '{text}'; {why}")))
 }
 
 /// Loads a scene from a file, or a built-in one by its name.

@@ -19,7 +19,7 @@ use super::foresight::{Foresight, samples_size};
 use super::frames::check_film;
 use super::progress::Mode;
 use super::run_options::start;
-use super::same_file::keep_from_frames;
+use super::same_file::{keep_apart, keep_from_frames};
 use super::{farm, frames, stop};
 
 #[derive(Args, Debug)]
@@ -111,7 +111,8 @@ fn make(options: &Options, output: &Path) -> anyhow::Result<()> {
             farm::check(&recipe, options.quality.into())?;
         }
         if film.kind() == FilmKind::Flips {
-            samples(options, output, FilmSamples::check)?;
+            FilmSamples::check(&samples_folder(options, output)?)
+                .map_err(|error| refused_samples(error, options, output))?;
         }
         return foresee(film, &spec, options);
     }
@@ -122,7 +123,8 @@ fn make(options: &Options, output: &Path) -> anyhow::Result<()> {
     let document = &film.keys[0].scene;
     let recipe = FilmRecipe { film: &film, document, output };
     let encoding = farm::check(&recipe, options.quality.into())?;
-    let samples = samples(options, output, FilmSamples::open)?;
+    let samples = FilmSamples::open(&samples_folder(options, output)?)
+        .map_err(|error| refused_samples(error, options, output))?;
     let request = options.film.run.engine.request(spec.setting, spec.verify);
     // Another engine would differ from the existing samples in the last digits.
     let request = match samples.earlier() {
@@ -162,25 +164,23 @@ fn foresee(film: Film, spec: &RunSpec, options: &Options) -> anyhow::Result<()> 
     }
 }
 
-/// Does something with the folder of the samples: that of `--cache`, or the one beside the film.
-fn samples<T>(
-    options: &Options,
-    output: &Path,
-    what: impl Fn(&Path) -> Result<T, FilmSamplesError>,
-) -> Result<T, Exit> {
-    let beside = FilmSamples::beside(output);
-    let folder = options.cache.as_deref().unwrap_or(&beside);
-    if folder == output {
-        return Err(Exit::Usage("-o and --cache name the same file".to_string()));
-    }
-    what(folder).map_err(|error| match error {
+/// Returns the folder of the samples: that of `--cache`, or the one beside the film.
+fn samples_folder(options: &Options, output: &Path) -> Result<PathBuf, Exit> {
+    let Some(cache) = &options.cache else { return Ok(FilmSamples::beside(output)) };
+    keep_apart(&[], &[("-o", output), ("--cache", cache)])?;
+    Ok(cache.clone())
+}
+
+/// Converts the error of a folder of samples.
+fn refused_samples(error: FilmSamplesError, options: &Options, output: &Path) -> Exit {
+    match error {
         FilmSamplesError::Name(_) if options.cache.is_none() => Exit::Failed(format!(
             "-o: the name {} leaves no room for .samples: shorten it, or give --cache",
             output.display()
         )),
         FilmSamplesError::Foreign(_) => Exit::Usage(format!("--cache: {error}")),
         error => Exit::Failed(format!("--cache: {error}")),
-    })
+    }
 }
 
 /// Returns the codec for the extension of a file name, or `None` for a folder.

@@ -207,6 +207,7 @@ fn a_film_says_what_cannot_be_together() {
         (&["home", "filigree", "--zoom-to", "deep", "-o", "f"], "begin with one scene"),
         (&["k.toml", "--vary", "time=0..2", "-o", "f"], "a file of keys says itself what changes"),
         (&["home", "filigree", "-o", "f", "--cache", "f"], "-o and --cache name the same file"),
+        (&["home", "filigree", "-o", "f", "--cache", "./f"], "-o and --cache name the same file"),
         (&["home", "filigree", "-o", "dotted.folder"], "with / at the end if its name has a dot"),
         (&["home", "filigree", "-o", "taken"], "-o taken: a film is an .mp4"),
     ] {

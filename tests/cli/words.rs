@@ -82,6 +82,8 @@ fn the_manual_and_completions_know_every_subcommand() {
     assert!(page.contains("Save pixels that can go on"), "help that -h leaves out");
     let guessed = error_of(&flipmap(&folder, &["filigree"]));
     assert!(guessed.contains("'filigree' is a scene: flipmap render filigree"), "{guessed}");
+    let odd = error_of(&flipmap(&folder, &["a\u{1b}[31m b.toml"]));
+    assert!(odd.contains("flipmap render 'a") && !odd.contains('\u{1b}'), "{odd}");
     let none = refused(&folder, 2, &["lab"]);
     assert!(none.contains("name a figure; the figures are single"), "{none}");
     assert_eq!(flipmap(&folder, &["man", "rendr"]).status.code(), Some(2));

@@ -11,7 +11,6 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::allowed::{did_you_mean, names_of};
 use super::angle_text::in_rad;
 use super::exact_length::exactly;
-use super::pasted::decimal_hint;
 use super::{PendulumSpec, SceneError, Setting};
 use flipmap_numbers::{Dd, Real, Scalar};
 use flipmap_pendulum::{Launch, Pendulum};
@@ -214,11 +213,8 @@ impl Plane {
         }
         for value in &self.origin {
             let is_fine = Dd::parse(value).is_some_and(|value| Self::ORIGINS.contains(&value.hi));
-            let require = Setting::Origin.require(is_fine, &format_args!("'{value}'"));
-            require.map_err(|mut error| {
-                error.allowed += &decimal_hint(value, 1);
-                error
-            })?;
+            let required = Setting::Origin.require(is_fine, &format_args!("'{value}'"));
+            required.map_err(|error| error.hinting(value, 1))?;
         }
         let is_section = self.kind == PlaneKind::Section;
         let is_zero = |value: &String| Dd::parse(value) == Some(Dd::new(0.0));

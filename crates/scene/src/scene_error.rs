@@ -2,6 +2,8 @@
 
 use std::fmt::Display;
 
+use super::pasted::decimal_hint;
+
 /// A setting whose value cannot be used, with the allowed values.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.called(&format_args!("`{setting}`")))]
@@ -22,6 +24,13 @@ impl SceneError {
         allowed: impl Into<String>,
     ) -> Self {
         SceneError { setting, value: value.into(), allowed: allowed.into() }
+    }
+
+    /// Adds a hint if the text of `count` numbers has commas where the decimal points should be.
+    #[must_use]
+    pub(crate) fn hinting(mut self, text: &str, count: usize) -> Self {
+        self.allowed += &decimal_hint(text, count);
+        self
     }
 
     /// Returns the error as a sentence that calls the setting by another name.

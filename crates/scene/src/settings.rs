@@ -2,7 +2,7 @@
 //! its text. Options, locations and the errors of files and panels are made from it.
 
 use super::allowed::{between, did_you_mean, in_a_row, known, listed, names_of};
-use super::pasted::{decimal_hint, number, plain_numbers};
+use super::pasted::{number, plain_numbers};
 use super::question::QuestionName;
 use super::{Axis, Budget, Kind, PendulumSpec, Plane, PlaneKind, QuestionSettings, Scene};
 use super::{MIN_WIDTH, SceneError, View};
@@ -342,8 +342,7 @@ impl Setting {
         (def.set)(scene, &plain).ok_or_else(|| {
             let mut error = self.refused(scene.plane.axes(), format!("'{text}'"));
             error.allowed += did_you_mean(&names, text).as_str();
-            error.allowed += &decimal_hint(text, self.count());
-            error
+            error.hinting(text, self.count())
         })
     }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::allowed::between;
 use super::number_in_file::{coordinate, coordinates};
-use super::pasted::{decimal_hint, plain_numbers};
+use super::pasted::plain_numbers;
 use super::{Axis, BuiltIn, Plane, PlaneKind, SceneError, Setting};
 use flipmap_numbers::{Dd, Exact, Scalar};
 
@@ -99,20 +99,19 @@ impl View {
             let x = Exact::parse(coordinate).map(|x| x.to_f64());
             if !x.is_some_and(|x| Self::COORDINATES.contains(&x)) {
                 let allowed = format!(
-                    "each coordinate must be a decimal number {} {}, in at most 1000 characters{}",
+                    "each coordinate must be a decimal number {} {}, in at most 1000 characters",
                     between(&Self::COORDINATES),
-                    axis.unit(),
-                    decimal_hint(coordinate, 1)
+                    axis.unit()
                 );
                 let value = format!("'{}'", shortened(coordinate));
-                return Err(SceneError::new(Setting::Center.name(), value, allowed));
+                let error = SceneError::new(Setting::Center.name(), value, allowed);
+                return Err(error.hinting(coordinate, 1));
             }
         }
         let widths = MIN_WIDTH..=Self::MAX_WIDTH;
         if !Dd::parse(&self.width).is_some_and(|width| widths.contains(&width.hi)) {
-            let mut error = Setting::Width.refused(axes, format!("'{}'", self.width));
-            error.allowed += &decimal_hint(&self.width, 1);
-            return Err(error);
+            let error = Setting::Width.refused(axes, format!("'{}'", self.width));
+            return Err(error.hinting(&self.width, 1));
         }
         let (rotate, stretch) = (self.rotate, self.stretch);
         let quoted = |number: f64| format!("'{number}'");

@@ -75,7 +75,7 @@ impl FlipFrames<'_> {
         };
         let mut rgb = self.painter.paint(shot, &mut mip)?;
         self.last = Some((mip, group, shown));
-        let caption = film_caption(self.film, self.picture, shot)?;
+        let caption = film_caption(self.film, self.picture, shot, self.legend.as_ref())?;
         for inset in self.legend.iter().chain(&caption) {
             inset.lay_over(&mut rgb, self.film.size[0]);
         }

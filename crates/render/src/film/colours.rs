@@ -121,22 +121,20 @@ pub(crate) fn tones(film: &Film, picture: &PictureTable) -> Result<Tones, SceneE
 
 /// Refuses a film whose frames have too little room for what is to be drawn over them.
 pub fn check_insets(film: &Film, picture: &PictureTable) -> Result<(), SceneError> {
-    film_legend(film, picture)?;
-    film_caption(film, picture, &film.shot(0))?;
+    let legend = film_legend(film, picture)?;
+    film_caption(film, picture, &film.shot(0), legend.as_ref())?;
     Ok(())
 }
 
-/// Returns the caption of a frame that shows a shot, if the film's picture has one.
+/// Returns the caption of a frame that shows a shot, clear of the legend, if the film's picture has one.
 pub(crate) fn film_caption(
     film: &Film,
     picture: &PictureTable,
     shot: &Shot,
+    legend: Option<&Inset>,
 ) -> Result<Option<Inset>, SceneError> {
-    if !picture.caption {
-        return Ok(None);
-    }
-    let caption = caption(&shot.scene, shot.clock_secs, film.size)?;
-    Ok(Some(caption.clear_of(film_legend(film, picture)?.as_ref())))
+    let caption = picture.caption.then(|| caption(&shot.scene, shot.clock_secs, film.size));
+    Ok(caption.transpose()?.map(|caption| caption.clear_of(legend)))
 }
 
 /// Returns the legend of a film, if its picture has one.

@@ -299,10 +299,6 @@ impl Difference {
     }
 }
 
-fn unlike(times: ResultRows, colours: ResultRows) -> CompareError {
-    CompareError::Unlike { times: times.path, colours: colours.path }
-}
-
 /// Compares two results and passes each row of differences to `row`, from the top.
 pub fn compare(
     mut a: ResultRows,
@@ -310,10 +306,9 @@ pub fn compare(
     (yardstick, tolerance): (&Yardstick, f64),
     row: &mut dyn FnMut(&[Difference]) -> io::Result<()>,
 ) -> Result<Comparison, CompareError> {
-    match (a.has_times(), b.has_times()) {
-        (true, false) => return Err(unlike(a, b)),
-        (false, true) => return Err(unlike(b, a)),
-        (true, true) | (false, false) => {}
+    if a.has_times() != b.has_times() {
+        let (times, colours) = if a.has_times() { (a, b) } else { (b, a) };
+        return Err(CompareError::Unlike { times: times.path, colours: colours.path });
     }
     if a.size != b.size {
         let (a_size, b_size) = (a.size, b.size);

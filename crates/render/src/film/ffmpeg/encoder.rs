@@ -78,14 +78,14 @@ impl Encoder {
         if let Some(beside) = file.beside() {
             // On a full disk ffmpeg may complain and still exit as if all were well; it may also
             // complain of what does no harm.
-            match frames_in(self.codec, beside) {
-                Ok(found) if found == self.frames => {}
-                Ok(found) if lines.is_empty() => {
-                    return Err(FfmpegError::Frames { given: self.frames, found });
-                }
-                Err(why) if lines.is_empty() => return Err(why),
-                Ok(_) | Err(_) => return Err(failed(lines, "it ended early")),
-            }
+            let given = self.frames;
+            let counted = frames_in(self.codec, beside).and_then(|found| {
+                if found == given { Ok(()) } else { Err(FfmpegError::Frames { given, found }) }
+            });
+            counted.map_err(|why| match lines[..] {
+                [] => why,
+                _ => failed(lines, "it ended early"),
+            })?;
         }
         let path = self.path.clone();
         file.finish().map_err(|source| FfmpegError::File { path, source })
