@@ -11,7 +11,7 @@ macro_rules! kernel_parts {
 
 kernel_parts! {
     "shared" "outcome" "f32" "df32" "f64" "flip" "general" "running" "suspect" "fixed"
-    "fixed_look" "fixed_passes" "control" "carried" "tangents" "nearest" "adaptive" "look"
+    "fixed_look" "fixed_passes" "control" "carried" "tangents" "extremum" "adaptive" "look"
     "slice" "stop" "turns" "series" "course" "series_look" "series_passes" "passes" "begin"
     "turn" "pack" "selfcheck"
 }

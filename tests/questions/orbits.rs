@@ -6,6 +6,7 @@ use flipmap_engine::{
     Engine, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, Trust, WantedEnds,
 };
 use flipmap_numbers::Dd;
+use flipmap_pendulum::extremum::Extremum;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{State, Status};
 use flipmap_render::tiles::{Renderer, Samples};
@@ -67,7 +68,7 @@ fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
         question: EventSpec::from(&returns),
         config: DD,
         starts: Starts::Rest(vec![[Dd::new(1.0); 2]]),
-        keep: Keep { ends: WantedEnds::Return, states: true },
+        keep: Keep { ends: WantedEnds::Extremum(Extremum::NearestReturn), states: true },
     };
     let refused = { engine }.submit(job).unwrap_err().to_string();
     assert!(refused.contains("their state cannot be saved"), "{refused}");

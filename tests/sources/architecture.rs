@@ -17,6 +17,7 @@ use flipmap_engine::pace::Pace;
 use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, WantedEnds};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
+use flipmap_pendulum::extremum::Extremum;
 use flipmap_render::output::sha256;
 use flipmap_scene::{Kind, PendulumSpec};
 use flipmap_shaders::{KEPT, KERNEL_PARTS, PICTURE};
@@ -132,7 +133,9 @@ fn designs() -> Vec<Design> {
                     };
                     designs.extend(builds.map(made));
                     if rule == Rule::Neither && method.name() != "taylor" {
-                        for ends in [WantedEnds::Growth, WantedEnds::Return] {
+                        for ends in
+                            [WantedEnds::Growth, WantedEnds::Extremum(Extremum::NearestReturn)]
+                        {
                             designs.extend(builds.map(|build| made(build).computing(ends)));
                         }
                     }

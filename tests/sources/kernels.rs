@@ -13,6 +13,7 @@ use flipmap_engine::gpu::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
 use flipmap_engine::pace::Pace;
 use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, WantedEnds};
 use flipmap_pendulum::Rule;
+use flipmap_pendulum::extremum::Extremum;
 use flipmap_scene::PendulumSpec;
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
@@ -52,7 +53,10 @@ fn designs(subgroups: bool) -> Vec<(String, Design)> {
             ("passes", made(Rule::Second, 3)),
             ("turns", made(Rule::Neither, 1)),
             ("growth", made(Rule::Neither, 1).computing(WantedEnds::Growth)),
-            ("return", made(Rule::Neither, 1).computing(WantedEnds::Return)),
+            (
+                "return",
+                made(Rule::Neither, 1).computing(WantedEnds::Extremum(Extremum::NearestReturn)),
+            ),
         ];
         let name = |question| format!("{method}-{number}-{question}");
         // Expansions carry nothing along.

@@ -26,14 +26,14 @@ pub struct IntegratorState {
 pub enum Carried {
     /// Turns and passes counted since the release.
     Counts(Accumulators),
-    /// The search for the nearest return.
-    Return {
+    /// The search for an extreme.
+    Extremum {
         /// The start, in reduced units.
         start: Phase<f64>,
-        /// True once the pendulum has left its start.
-        has_left: bool,
-        /// Least distance from the start since then, and the reduced time at which it occurred.
-        nearest: [f64; 2],
+        /// True once an extreme counts.
+        counts: bool,
+        /// The extreme so far, and the reduced time at which it occurred.
+        best: [f64; 2],
     },
     /// Derivatives of unit vectors and momenta with respect to the four numbers of the start.
     Tangents {
@@ -59,9 +59,9 @@ pub(crate) const LOG_SCALE: &str = "log_scale";
 /// Names of the unit vectors and momenta of the start.
 pub(crate) const STARTS: [&str; 6] =
     ["x1_start", "y1_start", "x2_start", "y2_start", "p1_start", "p2_start"];
-/// Names of the state of the search for the nearest return: 1 once the start has been left, the
-/// least distance, and its time.
-pub(crate) const SEARCH: [&str; 3] = ["has_left", "nearest", "nearest_time"];
+/// Names of the state of the search for an extreme: 1 once extremes count, the extreme so far, and
+/// its time.
+pub(crate) const SEARCH: [&str; 3] = ["counts", "best", "best_time"];
 
 /// Largest number of values that a pendulum can carry along.
 pub(crate) const MAX_CARRIED_NUMBERS: usize = 25;
@@ -72,7 +72,7 @@ pub(crate) fn carried_names(ends: WantedEnds) -> Vec<&'static str> {
     match ends {
         WantedEnds::None | WantedEnds::Plain => Vec::new(),
         WantedEnds::Growth => [SLOPES.as_flattened(), &[LOG_SCALE]].concat(),
-        WantedEnds::Return => [&STARTS[..], &SEARCH].concat(),
+        WantedEnds::Extremum(_) => [&STARTS[..], &SEARCH].concat(),
     }
 }
 
@@ -84,10 +84,10 @@ impl Carried {
             Carried::Tangents { slopes, log_scale } => {
                 slopes.as_flattened().get(place).copied().unwrap_or(*log_scale)
             }
-            Carried::Return { start, has_left, nearest } => match place {
+            Carried::Extremum { start, counts, best } => match place {
                 0..6 => start[place],
-                6 => f64::from(u8::from(*has_left)),
-                _ => nearest[place - 7],
+                6 => f64::from(u8::from(*counts)),
+                _ => best[place - 7],
             },
         }
     }
@@ -102,11 +102,10 @@ impl Carried {
                 let slopes = slopes.try_into().ok()?;
                 Some(Carried::Tangents { slopes, log_scale: *rest.first()? })
             }
-            WantedEnds::Return => {
-                let &[.., has_left, distance, time] = numbers else { return None };
+            WantedEnds::Extremum(_) => {
+                let &[.., counts, value, time] = numbers else { return None };
                 let start = numbers.get(..6)?.try_into().ok()?;
-                let nearest = [distance, time];
-                Some(Carried::Return { start, has_left: has_left > 0.0, nearest })
+                Some(Carried::Extremum { start, counts: counts > 0.0, best: [value, time] })
             }
         }
     }

@@ -3,6 +3,7 @@
 #[cfg(doc)]
 use super::FinalState;
 use super::{EngineError, IntegratorConfig, Method, Precision};
+use flipmap_pendulum::extremum::Extremum;
 use flipmap_scene::question::Needs;
 
 /// A selection of the pendulums' states that a job returns.
@@ -21,12 +22,12 @@ pub enum WantedEnds {
     /// No ends.
     #[default]
     None,
-    /// Ends without growth or a nearest return.
+    /// Ends without growth or an extreme.
     Plain,
     /// Ends with the growth of nudges, for which tangents are carried along.
     Growth,
-    /// Ends with the nearest return to the start.
-    Return,
+    /// Ends with the extreme of a quantity along the motion.
+    Extremum(Extremum),
 }
 
 impl Keep {
@@ -51,14 +52,19 @@ impl Keep {
 impl WantedEnds {
     /// Returns true if pendulums carry numbers along for these ends (see [`super::Carried`]).
     pub fn are_carried(self) -> bool {
-        matches!(self, WantedEnds::Growth | WantedEnds::Return)
+        matches!(self, WantedEnds::Growth | WantedEnds::Extremum(_))
+    }
+
+    /// Returns true if extremes are looked for.
+    pub fn are_extremes(self) -> bool {
+        matches!(self, WantedEnds::Extremum(_))
     }
 
     /// Returns an error if an integrator config cannot compute these ends.
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
         let refuse = |why: &str| Err(EngineError::Unsupported(why.to_string()));
         match config.method {
-            Method::Extrapolation { .. } if self == WantedEnds::Return => {
+            Method::Extrapolation { .. } if self.are_extremes() => {
                 refuse("returns are not computed by midpoint rules")
             }
             Method::Embedded { pair, .. }
@@ -82,7 +88,7 @@ impl From<Needs> for WantedEnds {
             Needs::Outcome => WantedEnds::None,
             Needs::End => WantedEnds::Plain,
             Needs::Growth => WantedEnds::Growth,
-            Needs::Return => WantedEnds::Return,
+            Needs::Extremum(extremum) => WantedEnds::Extremum(extremum),
         }
     }
 }

@@ -18,6 +18,7 @@ use super::{
 use flipmap_numbers::dual::Dual;
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::embedded::{Dop853, EmbeddedPair, plus};
+use flipmap_pendulum::extremum::{Extremum, Measure};
 use flipmap_pendulum::first_moments::FirstMoments;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
@@ -125,7 +126,7 @@ fn beside_top(job: &Job, reduced: &(Pendulum<Dd>, Dd), moments: &FirstMoments) -
 pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     let carries = |state: &IntegratorState| match (job.keep.ends, state.carried.as_deref()) {
         (WantedEnds::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
-        (WantedEnds::Return, carried) => matches!(carried, Some(Carried::Return { .. })),
+        (WantedEnds::Extremum(_), carried) => matches!(carried, Some(Carried::Extremum { .. })),
         (WantedEnds::None | WantedEnds::Plain, _) => true,
     };
     let is_possible = match &job.starts {
@@ -133,10 +134,10 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
         Starts::Resumed { states, .. } => states.iter().all(carries),
         Starts::Moving(moving) => match job.keep.ends {
             WantedEnds::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
-            WantedEnds::Return => false,
+            WantedEnds::Extremum(_) => false,
             WantedEnds::None | WantedEnds::Plain => true,
         },
-        Starts::Deep(_) => job.keep.ends != WantedEnds::Return,
+        Starts::Deep(_) => !job.keep.ends.are_extremes(),
     };
     if is_possible {
         return Ok(());
@@ -164,16 +165,22 @@ pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let begun = |state: IntegratorState| match (&state.carried, job.keep.ends) {
         (Some(_), _) | (None, WantedEnds::None | WantedEnds::Plain) => state,
         (None, WantedEnds::Growth) => with_tangents(&reduced, (&job.config, &pace), &state),
-        (None, WantedEnds::Return) => with_start(&reduced, &pace, state),
+        (None, WantedEnds::Extremum(extremum)) => with_start(&reduced, &pace, extremum, state),
     };
     Ok(states.into_iter().map(begun).collect())
 }
 
-/// Returns a start with the search for its nearest return, kept as unit vectors and momenta for
-/// fixed steps, too.
-fn with_start(reduced: &Pendulum<f64>, pace: &Pace, state: IntegratorState) -> IntegratorState {
-    let (start, nearest) = (phase_at(reduced, pace, &state), Accumulators::NONE.nearest);
-    let carried = Some(Box::new(Carried::Return { start, has_left: false, nearest }));
+/// Returns a start with the search for an extreme, kept as unit vectors and momenta for fixed
+/// steps, too.
+fn with_start(
+    reduced: &Pendulum<f64>,
+    pace: &Pace,
+    extremum: Extremum,
+    state: IntegratorState,
+) -> IntegratorState {
+    let start = phase_at(reduced, pace, &state);
+    let (counts, best) = (extremum.counts_from_release(), extremum.none());
+    let carried = Some(Box::new(Carried::Extremum { start, counts, best }));
     let mut numbers = state.numbers;
     if let Pace::Fixed(steps) = pace {
         numbers = [0.0; NUMBERS];
@@ -305,8 +312,8 @@ pub(crate) fn angles_of(numbers: &[f64]) -> [f64; 2] {
     [numbers[0] + numbers[4], numbers[1] + numbers[5]]
 }
 
-/// Returns the unit vectors and momenta of a state. A state with tangents, or with a start to
-/// return to, is kept in this form for fixed steps, too.
+/// Returns the unit vectors and momenta of a state. A state with tangents, or with the
+/// search for an extreme, is kept in this form for fixed steps, too.
 pub(crate) fn phase_at(
     reduced: &Pendulum<f64>,
     pace: &Pace,
@@ -315,7 +322,7 @@ pub(crate) fn phase_at(
     let IntegratorState { numbers, carried, .. } = state;
     match (pace, carried.as_deref()) {
         (Pace::Adaptive(_), _) => phase_of(numbers),
-        (_, Some(Carried::Tangents { .. } | Carried::Return { .. })) => phase_of(numbers),
+        (_, Some(Carried::Tangents { .. } | Carried::Extremum { .. })) => phase_of(numbers),
         (Pace::Fixed(_), _) => {
             let speed = [numbers[2], numbers[3]];
             reduced.phase(&State { angle: angles_of(numbers), speed })
@@ -374,14 +381,20 @@ pub(crate) fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -
     }
 }
 
-/// The end of a pendulum that has looked for its nearest return.
-pub(crate) fn end_with_return(left: &IntegratorState) -> FinalState {
-    let nearest = match left.carried.as_deref() {
-        Some(Carried::Return { nearest, .. }) => *nearest,
-        _ => Accumulators::NONE.nearest,
-    };
-    let gathered = Accumulators { nearest, ..Accumulators::NONE };
+/// The end of a pendulum whose extreme has been looked for.
+pub(crate) fn end_with_extremum(
+    extremum: Extremum,
+    reduced: &Pendulum<f64>,
+    left: &IntegratorState,
+) -> FinalState {
     let (time, phase) = (left.numbers[TIME] + left.numbers[TIME_LOW], phase_of(&left.numbers));
+    let best = match left.carried.as_deref() {
+        Some(Carried::Extremum { start, best, .. }) => {
+            Measure::new(extremum, *reduced, *start).with_ends(*best, (&phase, time))
+        }
+        _ => extremum.none(),
+    };
+    let gathered = Accumulators { extremum: best, ..Accumulators::NONE };
     FinalState { time, phase, gathered, ..FinalState::NOWHERE }
 }
 

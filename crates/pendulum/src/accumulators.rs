@@ -10,9 +10,9 @@ pub struct Accumulators {
     pub turns: [i32; 2],
     /// Number of passes of the top by each bob anticlockwise and clockwise, the first bob first.
     pub passes: [u32; 4],
-    /// Least distance from the start after the motion has left it, in unit vectors and scaled
-    /// momenta, and the reduced time of that approach; the distance is infinite if there is none.
-    pub nearest: [f64; 2],
+    /// The extreme of a quantity along the motion (see [`super::extremum`]), and the reduced time at
+    /// which it occurred; the value is infinite if there is none.
+    pub extremum: [f64; 2],
     /// Natural logarithm of the factor by which the fastest-growing nudge has grown (see
     /// [`super::tangents`]).
     pub log_growth: f64,
@@ -23,34 +23,34 @@ impl Accumulators {
     pub const NONE: Accumulators = Accumulators {
         turns: [0; 2],
         passes: [0; 4],
-        nearest: [f64::INFINITY, 0.0],
+        extremum: [f64::INFINITY, 0.0],
         log_growth: 0.0,
     };
 
     /// Marks a motion along which nothing was gathered; these quantities agree with no others.
     pub const NOT_GATHERED: Accumulators =
-        Accumulators { nearest: [f64::NAN; 2], log_growth: f64::NAN, ..Accumulators::NONE };
+        Accumulators { extremum: [f64::NAN; 2], log_growth: f64::NAN, ..Accumulators::NONE };
 
     /// Returns true if quantities were gathered along the motion.
     pub fn are_gathered(&self) -> bool {
         !self.log_growth.is_nan()
     }
 
-    /// Returns true if the least distances and the growth of another run are the same, to the
+    /// Returns true if the extremes and the growth of another run are the same, to the
     /// accuracy that answers need. Turns and passes are not compared: they agree if the states do.
     pub fn agrees_with(&self, other: &Accumulators) -> bool {
         let near = |i: usize, allowed: f64| {
-            let (mine, its) = (self.nearest[i], other.nearest[i]);
+            let (mine, its) = (self.extremum[i], other.extremum[i]);
             // Equal infinities are equal.
             mine == its || (mine - its).abs() <= allowed
         };
         let apart = (self.log_growth - other.log_growth).abs();
-        near(0, NEAREST) && near(1, NEAREST) && apart <= GROWTH * self.log_growth.abs()
+        near(0, EXTREMUM) && near(1, EXTREMUM) && apart <= GROWTH * self.log_growth.abs()
     }
 }
 
-/// Greatest difference at which two least distances, or their reduced times, still agree.
-const NEAREST: f64 = 1e-3;
+/// Greatest difference at which two extremes, or their reduced times, still agree.
+const EXTREMUM: f64 = 1e-3;
 /// Greatest relative difference at which two logarithms of growth still agree.
 const GROWTH: f64 = 0.01;
 
@@ -60,11 +60,11 @@ mod tests {
 
     #[test]
     fn runs_agree_within_what_answers_may_be_wrong_by() {
-        let one = Accumulators { nearest: [0.2, 3.0], log_growth: 4.0, ..Accumulators::NONE };
+        let one = Accumulators { extremum: [0.2, 3.0], log_growth: 4.0, ..Accumulators::NONE };
         assert!(one.agrees_with(&one) && Accumulators::NONE.agrees_with(&Accumulators::NONE));
-        assert!(one.agrees_with(&Accumulators { nearest: [0.2005, 3.0004], ..one }));
-        assert!(!one.agrees_with(&Accumulators { nearest: [0.21, 3.0], ..one }));
-        assert!(!one.agrees_with(&Accumulators { nearest: [f64::INFINITY, 0.0], ..one }));
+        assert!(one.agrees_with(&Accumulators { extremum: [0.2005, 3.0004], ..one }));
+        assert!(!one.agrees_with(&Accumulators { extremum: [0.21, 3.0], ..one }));
+        assert!(!one.agrees_with(&Accumulators { extremum: [f64::INFINITY, 0.0], ..one }));
         assert!(one.agrees_with(&Accumulators { log_growth: 4.03, ..one }));
         assert!(!one.agrees_with(&Accumulators { log_growth: 4.1, ..one }));
         assert!(

@@ -26,6 +26,7 @@ pub mod control;
 pub mod crossing;
 pub mod embedded;
 pub mod extrapolation;
+pub mod extremum;
 pub mod first_moments;
 pub mod flip;
 pub mod flow_patch;

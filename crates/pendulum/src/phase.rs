@@ -105,16 +105,6 @@ impl<T: Scalar> Pendulum<T> {
     }
 }
 
-/// Distance between two states, in unit vectors and scaled momenta; `inverse_scale` is 1 over the
-/// scale of each momentum.
-pub fn distance<T: Scalar>(a: &Phase<T>, b: &Phase<T>, inverse_scale: [T; 2]) -> T {
-    let one = T::from_f64(1.0);
-    let [p1, p2] = inverse_scale;
-    let units = [one, one, one, one, p1, p2];
-    let apart = |i: usize| (a[i] - b[i]) * units[i];
-    (0..6).fold(T::zero(), |sum, i| sum + apart(i) * apart(i)).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,8 +3,8 @@
 
 use flipmap_engine::start::whole_turns;
 use flipmap_numbers::Dd;
+use flipmap_pendulum::extremum::{Extremum, Measure};
 use flipmap_pendulum::passes::{Pass, passes_until};
-use flipmap_pendulum::phase::distance;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Accumulators, Outcome, State, Status, tangents};
 use flipmap_scene::Scene;
@@ -22,7 +22,7 @@ pub(super) fn true_answer(scene: &Scene, start: State<Dd>) -> Option<Vec<f64>> {
     let end = event.unwrap_or(Dd::new(max_secs));
     let state = orbit(scene, start).state_at(end);
     let gathered = gathered(scene, start, &all, state, end.hi);
-    if kind.needs == Needs::Return && gathered.nearest[0].is_infinite() {
+    if gathered.extremum[0].is_infinite() && matches!(kind.needs, Needs::Extremum(_)) {
         return None;
     }
     let pendulum = scene.build.pendulum();
@@ -73,9 +73,9 @@ fn gathered(
     Accumulators {
         turns: state.angle.map(|angle| whole_turns(angle.hi)),
         passes: [count(1, true), count(1, false), count(2, true), count(2, false)],
-        nearest: match needs {
-            Needs::Return => nearest(scene, start, secs),
-            Needs::Outcome | Needs::End | Needs::Growth => Accumulators::NONE.nearest,
+        extremum: match needs {
+            Needs::Extremum(kind) => extremum(kind, scene, start, secs),
+            Needs::Outcome | Needs::End | Needs::Growth => Accumulators::NONE.extremum,
         },
         log_growth: if needs == Needs::Growth { log_growth(scene, start, secs) } else { 0.0 },
     }
@@ -102,27 +102,28 @@ fn log_growth(scene: &Scene, start: State<Dd>, secs: f64) -> f64 {
     tangents::largest_singular_value([0, 1, 2, 3].map(column)).ln()
 }
 
-/// The least distance from the start after having left it and its time in s, from states a
-/// ten-thousandth of the time apart; infinite if there is none.
-fn nearest(scene: &Scene, start: State<Dd>, secs: f64) -> [f64; 2] {
+/// The extreme of a quantity and its time in s, from its values at states a ten-thousandth of the
+/// time apart.
+fn extremum(kind: Extremum, scene: &Scene, start: State<Dd>, secs: f64) -> [f64; 2] {
     const STATES: u32 = 10_000;
     let pendulum = scene.build.pendulum();
-    let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
     let from = pendulum.phase(&rounded(start));
+    let measure = Measure::new(kind, pendulum, from);
     let mut orbit = orbit(scene, start);
-    let (mut before, mut before_secs, mut has_left) = (0.0, 0.0, false);
-    let mut least = Accumulators::NONE.nearest;
+    let (mut before, mut counts) = ([measure.value(&from), 0.0], kind.counts_from_release());
+    let (mut best, mut phase) = (kind.none(), from);
     for k in 1..=STATES {
-        let now = secs * f64::from(k) / f64::from(STATES);
-        let phase = pendulum.phase(&rounded(orbit.state_at(Dd::new(now))));
-        let apart = distance(&phase, &from, inverse_scale);
-        has_left |= apart < before;
-        if has_left && apart > before && before < least[0] {
-            least = [before, before_secs];
+        let secs = secs * f64::from(k) / f64::from(STATES);
+        phase = pendulum.phase(&rounded(orbit.state_at(Dd::new(secs))));
+        let now = [measure.value(&phase), secs];
+        counts |= kind.is_beyond(now[0], before[0]);
+        let turns = kind.is_beyond(before[0], now[0]);
+        if counts && turns && kind.is_beyond(before[0], best[0]) {
+            best = before;
         }
-        (before, before_secs) = (apart, now);
+        before = now;
     }
-    least
+    measure.with_ends(best, (&phase, secs))
 }
 
 #[cfg(test)]

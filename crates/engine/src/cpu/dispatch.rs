@@ -7,12 +7,13 @@ use super::lanes::{F32Lanes, F64Lanes};
 use super::number::{Compensated, Two};
 use super::pair::Midpoints;
 use super::taylor_pair::TaylorPair;
-use super::{adaptive, fixed, growing, nearest, tangents, taylor};
+use super::{adaptive, extremum, fixed, growing, tangents, taylor};
 use crate::pace::{Adaptive, Pace, Steps};
 use crate::{Method, Precision, WantedEnds};
 use flipmap_numbers::Dd;
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::embedded::{EmbeddedPair, Pair, WithPair};
+use flipmap_pendulum::extremum::Extremum;
 use flipmap_pendulum::series::{ORDER_DD, ORDER_F64};
 
 /// A chunk to be run in the widest lanes.
@@ -30,7 +31,9 @@ impl WithSimd for ChunkInFlight<'_> {
         }
         match self.chunk.keep.ends {
             WantedEnds::Growth => return self.growth(set),
-            WantedEnds::Return => return self.nearest(),
+            WantedEnds::Extremum(extremum) => {
+                return self.paired().run(Extreme { chunk: self.chunk, extremum });
+            }
             WantedEnds::None | WantedEnds::Plain => {}
         }
         match self.chunk.pace {
@@ -64,7 +67,7 @@ impl ChunkInFlight<'_> {
         self.chunk.config.method.is_series()
     }
 
-    /// Computes growth or returns in Taylor steps of the same tolerance at all times.
+    /// Computes growth or extremes in Taylor steps of the same tolerance at all times.
     fn in_taylor_steps(self) -> Option<ChunkResult> {
         const N: usize = ORDER_F64 + 1;
         const M: usize = ORDER_DD + 1;
@@ -73,16 +76,15 @@ impl ChunkInFlight<'_> {
         let pace = self.chunk.pace.steady(self.chunk.config.method, order);
         let chunk = Chunk { pace, ..*self.chunk };
         match (chunk.keep.ends, is_dd) {
-            (WantedEnds::Growth, false) => growing::run::<f64, TaylorPair<N>>(&chunk),
-            (WantedEnds::Growth, true) => growing::run::<Dd, TaylorPair<M>>(&chunk),
-            (_, false) => nearest::run::<f64, TaylorPair<N>>(&chunk),
-            (_, true) => nearest::run::<Dd, TaylorPair<M>>(&chunk),
+            (WantedEnds::Extremum(extremum), false) => {
+                extremum::run::<f64, TaylorPair<N>>(&chunk, extremum)
+            }
+            (WantedEnds::Extremum(extremum), true) => {
+                extremum::run::<Dd, TaylorPair<M>>(&chunk, extremum)
+            }
+            (_, false) => growing::run::<f64, TaylorPair<N>>(&chunk),
+            (_, true) => growing::run::<Dd, TaylorPair<M>>(&chunk),
         }
-    }
-
-    /// The nearest returns, by the pair of the method or in fixed steps.
-    fn nearest(self) -> Option<ChunkResult> {
-        self.paired().run(Nearest(self.chunk))
     }
 
     /// The growth, by the pair of the method or in fixed steps.
@@ -172,16 +174,22 @@ impl<S: Simd> WithPair for Growth<'_, S> {
     }
 }
 
-/// The nearest returns by a pair.
-struct Nearest<'a>(&'a Chunk<'a>);
+/// Extremes by a pair.
+struct Extreme<'a> {
+    chunk: &'a Chunk<'a>,
+    extremum: Extremum,
+}
 
-impl WithPair for Nearest<'_> {
+impl WithPair for Extreme<'_> {
     type Output = Option<ChunkResult>;
 
     fn with<P: EmbeddedPair>(self) -> Self::Output {
-        match self.0.config.precision {
-            Precision::F32 => nearest::run::<f32, P>(self.0),
-            Precision::Df32 | Precision::F64 | Precision::Dd => nearest::run::<f64, P>(self.0),
+        let Extreme { chunk, extremum } = self;
+        match chunk.config.precision {
+            Precision::F32 => extremum::run::<f32, P>(chunk, extremum),
+            Precision::Df32 | Precision::F64 | Precision::Dd => {
+                extremum::run::<f64, P>(chunk, extremum)
+            }
         }
     }
 }

@@ -7,11 +7,11 @@
 mod adaptive;
 mod custom;
 mod dispatch;
+mod extremum;
 mod fixed;
 mod growing;
 mod lane_scheduler;
 mod lanes;
-mod nearest;
 mod number;
 mod one_by_one;
 mod pair;
@@ -94,7 +94,7 @@ impl CpuEngine {
         Err(EngineError::Unsupported(why))
     }
 
-    /// Returns an error if the growth or the returns of a job's pendulums cannot be computed.
+    /// Returns an error if the growth or the extremes of a job's pendulums cannot be computed.
     fn require_keep(job: &Job) -> Result<(), EngineError> {
         job.keep.check(&job.config)?;
         start::check_carried(job)

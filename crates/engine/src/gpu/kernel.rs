@@ -143,7 +143,7 @@ impl Design {
         !matches!(self.scheme, Scheme::Fixed(_))
     }
 
-    /// Returns the variant of a specialised kernel that computes growth or returns.
+    /// Returns the variant of a specialised kernel that computes growth or extremes.
     pub fn computing(self, ends: WantedEnds) -> Self {
         Design { compensated: false, ends, ..self }
     }
@@ -172,8 +172,7 @@ impl Design {
             maths.insert("energy".to_string(), self.energy());
         }
         if self.ends.are_carried() {
-            let file =
-                if self.ends == WantedEnds::Growth { "tangents.wgsl" } else { "nearest.wgsl" };
+            let file = if self.ends.are_extremes() { "extremum.wgsl" } else { "tangents.wgsl" };
             let files = ["shared.wgsl", number, "carried.wgsl", "control.wgsl", file, "turn.wgsl"];
             return glue(&files, &self.values(maths, String::new()));
         }
@@ -229,7 +228,7 @@ impl Design {
             subgroups: self.subgroups,
             moving: self.moving(),
             pairs: PairValues::new(self.precision, self.pairs),
-            carried: CarriedValues::new(),
+            carried: CarriedValues::new(self.ends),
             state: self.state(),
             watched: self.watched(),
             bobs: self.watched().len(),

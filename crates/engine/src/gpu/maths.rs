@@ -12,6 +12,7 @@ use flipmap_numbers::polynomial::quintic_hermite;
 use flipmap_numbers::trig::Turning;
 use flipmap_numbers::{Angle, Real};
 use flipmap_pendulum::embedded::{Pair, Trial, plus};
+use flipmap_pendulum::extremum::{Extremum, Measure};
 use flipmap_pendulum::phase::{Phase, rk4};
 use flipmap_pendulum::tangents::Tangents;
 use flipmap_pendulum::{Pendulum, State, integrator};
@@ -50,7 +51,7 @@ impl Design {
     pub(crate) fn step(&self) -> String {
         match self.ends {
             WantedEnds::Growth => return self.tangent_step(),
-            WantedEnds::Return => return self.returning_step(),
+            WantedEnds::Extremum(extremum) => return self.extremum_step(extremum),
             WantedEnds::None | WantedEnds::Plain => {}
         }
         match self.scheme {
@@ -146,9 +147,9 @@ impl Design {
         })
     }
 
-    /// A step with the rates at which the state moves away from the start at both ends
-    /// (counterpart: `receding` in `cpu/nearest.rs`), and the squared distance from it at the end.
-    fn returning_step(&self) -> String {
+    /// A step with the rates of change of a quantity whose extreme is looked for at both ends, and
+    /// the square of the quantity at its end.
+    fn extremum_step(&self, extremum: Extremum) -> String {
         write_maths(self.dialect(), || {
             let (pendulum, scale) = (self.pendulum(), self.inverse_scale());
             let before: Phase<Symbol> = std::array::from_fn(|i| variable(PHASE[i]));
@@ -160,25 +161,16 @@ impl Design {
                 }
                 Scheme::Series => unreachable!("refused with the job"),
             };
-            let unit = |i: usize| if i < 4 { literal(1.0) } else { scale[i - 4] };
-            let apart =
-                |phase: &Phase<Symbol>, i: usize| (phase[i] - variable(STARTS[i])) * unit(i);
-            let sum = |part: &dyn Fn(usize) -> Symbol| {
-                (1..6).map(part).fold(part(0), |sum, part| sum + part)
-            };
-            let receding = |phase: &Phase<Symbol>| {
-                let rate = pendulum.derivative(phase);
-                sum(&|i| apart(phase, i) * rate[i] * unit(i))
-            };
+            let start = STARTS.map(variable);
+            let measure = Measure { extremum, pendulum, inverse_scale: scale, start };
             let mut results = vec![("time_next".to_string(), variable("time") + step)];
             for (name, value) in PHASE.iter().zip(after) {
                 results.push((format!("{name}_next"), value));
             }
-            let squared = sum(&|i| apart(&after, i) * apart(&after, i));
             results.push(("error_squared".to_string(), error));
-            results.push(("receding".to_string(), receding(&before)));
-            results.push(("receding_next".to_string(), receding(&after)));
-            results.push(("distance_squared_next".to_string(), squared));
+            results.push(("rate".to_string(), measure.rate(&before)));
+            results.push(("rate_next".to_string(), measure.rate(&after)));
+            results.push(("square_next".to_string(), measure.square(&after)));
             results
         })
     }

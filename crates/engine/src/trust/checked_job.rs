@@ -175,7 +175,7 @@ impl CheckedJob {
     pub(super) fn finish(self) -> JobResult {
         let ends = match self.job.keep.ends {
             WantedEnds::None => Vec::new(),
-            WantedEnds::Plain | WantedEnds::Growth | WantedEnds::Return => {
+            WantedEnds::Plain | WantedEnds::Growth | WantedEnds::Extremum(_) => {
                 self.finest.iter().map(|answer| answer.end).collect()
             }
         };

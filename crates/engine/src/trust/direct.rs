@@ -98,7 +98,9 @@ impl<'a, const N: usize> Direct<'a, N> {
         let time = if outcome.status == Status::Answered { outcome.time } else { self.budget };
         let end = match ends {
             WantedEnds::None => FinalState::NOWHERE,
-            WantedEnds::Plain | WantedEnds::Growth | WantedEnds::Return => self.end(time, ends),
+            WantedEnds::Plain | WantedEnds::Growth | WantedEnds::Extremum(_) => {
+                self.end(time, ends)
+            }
         };
         let secs = (outcome.time * self.unit_secs).to_f64();
         (Outcome { status: outcome.status, time: secs }, end)

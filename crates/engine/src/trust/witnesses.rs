@@ -9,6 +9,7 @@ use crate::level::BALANCED;
 use crate::{Deep, Engine, EventSpec, Job, Keep, Leaf, Starts, WantedEnds, run_job};
 use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::Rule;
+use flipmap_pendulum::extremum::Extremum;
 use flipmap_scene::lattice::Cell;
 use flipmap_scene::{ExactPlane, Kind, PendulumSpec};
 
@@ -122,7 +123,7 @@ fn of_states_growth_and_returns() {
         ([2.006433, -1.769108], 1, "NEAREST, confirmation"),
         ([2.756867, -0.473489], 2, "confirmation"),
     ];
-    check(neither(8.0), WantedEnds::Return, at_rest(&returns), &returns);
+    check(neither(8.0), WantedEnds::Extremum(Extremum::NearestReturn), at_rest(&returns), &returns);
 }
 
 #[test]

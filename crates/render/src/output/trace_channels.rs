@@ -1,8 +1,9 @@
 //! The columns that a question adds to a trace: its channels so far, at the time of each row.
 
-use super::nearest_return::ReturnSearch;
+use super::extremum_search::ExtremumSearch;
 use flipmap_engine::start::whole_turns;
 use flipmap_numbers::Dd;
+use flipmap_pendulum::extremum::Measure;
 use flipmap_pendulum::passes::Pass;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::tangents::TangentMap;
@@ -17,7 +18,8 @@ pub(super) struct TraceChannels {
     /// The pendulum in reduced units, and its unit of time in s.
     pendulum: Pendulum<f64>,
     unit_secs: f64,
-    returns: ReturnSearch,
+    /// The search for the extreme that the question needs.
+    search: Option<ExtremumSearch>,
     passes: Vec<Pass>,
     /// Time in s and phase up to which growth is followed; `map` is the tangent map from the start
     /// to it.
@@ -35,7 +37,12 @@ impl TraceChannels {
             question: scene.question,
             pendulum,
             unit_secs,
-            returns: ReturnSearch::new(pendulum, unit_secs, start),
+            search: match scene.question.ask.kind().needs {
+                Needs::Extremum(kind) => {
+                    Some(ExtremumSearch::new(Measure::new(kind, pendulum, start), unit_secs))
+                }
+                Needs::Outcome | Needs::End | Needs::Growth => None,
+            },
             passes: Vec::new(),
             last: (0.0, start),
             map: TangentMap::identity(),
@@ -61,7 +68,7 @@ impl TraceChannels {
     pub(super) fn add(&mut self, step: &TaylorStep<Dd>, passes: &[Pass]) {
         self.passes.extend(passes);
         match self.question.ask.kind().needs {
-            Needs::Return => self.returns.add(step),
+            Needs::Extremum(_) => self.search.iter_mut().for_each(|search| search.add(step)),
             Needs::Growth => self.grow(step.start.hi, &step.state(Dd::new(0.0))),
             Needs::Outcome | Needs::End => {}
         }
@@ -115,8 +122,9 @@ impl Followed for TraceRow<'_> {
         if secs > 0.0 { self.channels.map.log_growth() / secs } else { f64::NAN }
     }
 
-    fn nearest(&mut self) -> [f64; 2] {
-        self.channels.returns.nearest(self.time.hi)
+    fn extremum(&mut self) -> [f64; 2] {
+        let search = self.channels.search.as_ref();
+        search.map_or([f64::NAN; 2], |search| search.until(self.time.hi, self.state))
     }
 }
 

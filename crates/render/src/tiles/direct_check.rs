@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use super::reader::Reader;
+use flipmap_engine::EventSpec;
 use flipmap_engine::trust::{Opinion, direct};
-use flipmap_engine::{EventSpec, WantedEnds};
 use flipmap_pendulum::Status;
 use flipmap_scene::question::Channel;
 use flipmap_scene::{Grid, Scene};
@@ -32,7 +32,7 @@ impl<'a> DirectCheck<'a> {
         let (ask, question) = (scene.question.ask, EventSpec::from(scene));
         let reader = Reader::new(ask, &question);
         let unit_secs = scene.build.unit_secs();
-        let is_answered = reader.ends() != WantedEnds::Return && question.passes == 1;
+        let is_answered = !reader.ends().are_extremes() && question.passes == 1;
         let channels = ask.kind().channels;
         is_answered.then_some(DirectCheck { grid, question, reader, channels, unit_secs })
     }

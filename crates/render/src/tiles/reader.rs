@@ -7,7 +7,7 @@ use flipmap_engine::{EventSpec, FinalState, JobResult, WantedEnds};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::transport::{transported, turns_between};
 use flipmap_pendulum::{Outcome, Pendulum, Status};
-use flipmap_scene::question::{MAX_CHANNELS, Needs, QuestionInput, QuestionName};
+use flipmap_scene::question::{MAX_CHANNELS, QuestionInput, QuestionName};
 
 /// A reader of the answers to one question about one pendulum.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +59,7 @@ impl Reader {
             let since = turns_between(&phase, &end.phase);
             gathered.turns = [0, 1].map(|bob| gathered.turns[bob] - since[bob]);
         }
-        let never = self.ask.kind().needs == Needs::Return && gathered.nearest[0].is_infinite();
+        let never = self.ends().are_extremes() && gathered.extremum[0].is_infinite();
         let status = if ends_at_a_time && !never { Status::Answered } else { outcome.status };
         let Reader { pendulum, unit_secs, .. } = self;
         let secs = if ends_at_a_time { self.at } else { end.time } * unit_secs;

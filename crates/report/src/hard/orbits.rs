@@ -3,6 +3,7 @@
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of};
 use flipmap_engine::{EngineError, EventSpec, Job, Keep, Starts, Wait, WantedEnds};
 use flipmap_numbers::{Dd, Scalar};
+use flipmap_pendulum::extremum::Extremum;
 use flipmap_pendulum::passes::{SectionReturn, section_return};
 use flipmap_pendulum::{Accumulators, Launch, Pendulum, Rule, State};
 use flipmap_scene::{Kind, PendulumSpec, Plane, PlaneKind};
@@ -120,13 +121,14 @@ fn enclosures(_: &mut HardBench) -> Result<HardFinding, EngineError> {
 }
 
 fn answers(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
+    let nearest = WantedEnds::Extremum(Extremum::NearestReturn);
     let (mut held, mut parts) = (true, Vec::new());
     for orbit in &ORBITS {
         let (Some(launch), Some((period, _, trace))) = (orbit.launch([0.0; 2]), orbit.measured())
         else {
             return HardFinding::new(false, format!("{} has no start", orbit.energy));
         };
-        let [distance, time] = bench.ended(launch, 1.2 * period, WantedEnds::Return)?.nearest;
+        let [distance, time] = bench.ended(launch, 1.2 * period, nearest)?.extremum;
         held &= distance < 1e-7 && (time - period).abs() < 1e-6;
         // Two budgets: what the first nudges lose until they point the way of growth cancels.
         let mut log_growth = |periods: f64| {

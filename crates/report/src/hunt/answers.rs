@@ -9,7 +9,7 @@ use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
 use flipmap_render::tiles::reader::Reader;
-use flipmap_scene::question::{MAX_CHANNELS, QuestionName};
+use flipmap_scene::question::MAX_CHANNELS;
 use flipmap_scene::{PlaneKind, Scene};
 
 /// Function that returns true when the referee should give up.
@@ -98,9 +98,8 @@ impl<'a> Judged<'a> {
     /// Returns true if two answers agree within `share` of what is right.
     fn is_same(&self, a: &Answer, b: &Answer, share: f64) -> bool {
         let kind = self.scene.question.ask.kind();
-        // The nearest return may be one of two that are as near.
-        let count =
-            if self.scene.question.ask == QuestionName::Return { 1 } else { kind.channels.len() };
+        // An extreme may be one of two that are as far.
+        let count = if self.reader.ends().are_extremes() { 1 } else { kind.channels.len() };
         let unit_secs = self.scene.build.unit_secs();
         let mut channels = kind.channels[..count].iter().zip(a.1.iter().zip(b.1));
         a.0 == b.0
@@ -133,8 +132,13 @@ impl<'a> Judged<'a> {
         let passes =
             if self.question.rule == Rule::Neither { u32::MAX } else { self.question.passes };
         let budget = Exact::from_f64(self.question.budget_secs) / unit_secs;
+        let extremum = match self.reader.ends() {
+            WantedEnds::Extremum(extremum) => Some(extremum),
+            WantedEnds::None | WantedEnds::Plain | WantedEnds::Growth => None,
+        };
         let referee = Referee {
             pendulum,
+            extremum,
             bobs,
             passes,
             budget: T::from_theta(budget),
@@ -145,7 +149,7 @@ impl<'a> Judged<'a> {
         let end = referee.end(&phase)?;
         let log_growth = match self.reader.ends() {
             WantedEnds::Growth => self.log_growth(&referee, start, &end)?,
-            WantedEnds::None | WantedEnds::Plain | WantedEnds::Return => 0.0,
+            WantedEnds::None | WantedEnds::Plain | WantedEnds::Extremum(_) => 0.0,
         };
         Some(self.answer(&end, log_growth, unit_secs.to_f64()))
     }
@@ -153,7 +157,8 @@ impl<'a> Judged<'a> {
     fn answer<T: Scalar>(&self, end: &MotionEnd<T>, log_growth: f64, unit_secs: f64) -> Answer {
         let [first_left, first_right, second_left, second_right] = end.passes.map(i64::from);
         let turns = [first_left - first_right, second_left - second_right].map(|by| by as i32);
-        let gathered = Accumulators { turns, passes: end.passes, nearest: end.nearest, log_growth };
+        let gathered =
+            Accumulators { turns, passes: end.passes, extremum: end.extremum, log_growth };
         let time = end.time.to_f64();
         let outcome = match end.flipped {
             true => Outcome::flipped(time * unit_secs),
@@ -260,7 +265,7 @@ mod tests {
             assert_eq!(truth.0, Status::Answered, "{}", kind.name);
             assert!(judged.is_same(&truth, &truth, 1.0), "{}", kind.name);
             assert!(!judged.is_same(&(Status::Unflipped, truth.1), &truth, 1.0), "{}", kind.name);
-            let count = if ask == QuestionName::Return { 1 } else { kind.channels.len() };
+            let count = if judged.reader.ends().are_extremes() { 1 } else { kind.channels.len() };
             for (k, channel) in kind.channels[..count].iter().enumerate() {
                 let mut moved = truth;
                 moved.1[k] += 2.0 * channel.right * truth.1[k].abs().max(1.0) + 1e-3;

@@ -8,12 +8,15 @@
 
 use flipmap_numbers::Scalar;
 use flipmap_pendulum::Pendulum;
-use flipmap_pendulum::phase::{Phase, distance};
+use flipmap_pendulum::extremum::{Extremum, Measure};
+use flipmap_pendulum::phase::Phase;
 
 /// A solver for the motion of one pendulum.
 pub(super) struct Referee<'a, T> {
     /// The pendulum in reduced units.
     pub pendulum: Pendulum<T>,
+    /// The quantity whose extreme is told, if any.
+    pub extremum: Option<Extremum>,
     /// The bobs whose passes of the top are told.
     pub bobs: &'static [usize],
     /// Number of passes after which the pendulum is done.
@@ -39,7 +42,7 @@ pub(super) struct MotionEnd<T> {
     /// Passes of each bob, anticlockwise and clockwise.
     pub passes: [u32; 4],
     /// Least distance from the start after having left it, and its reduced time.
-    pub nearest: [f64; 2],
+    pub extremum: [f64; 2],
 }
 
 /// The verdict on whether a bob crossed the top in a step.
@@ -62,18 +65,25 @@ const OFF_THE_TOP: f64 = 1e-6;
 const MAX_STEPS: usize = 2_000_000;
 /// Factor by which a bob's acceleration within a step may exceed that at its ends.
 const ROOM: f64 = 4.0;
-/// Halvings in the search for the nearest return within a step.
+/// Halvings in the search for an extreme within a step.
 const HALVINGS: usize = 40;
 
 impl<T: Scalar> Referee<'_, T> {
     /// The end of a motion from a state; `None` if it cannot be decided in these digits.
     pub(super) fn end(&self, start: &Phase<T>) -> Option<MotionEnd<T>> {
         let mut now = self.begun(start);
-        let mut has_left = false;
+        let measure = |kind| Measure::new(kind, self.pendulum, *start);
+        let measure = self.extremum.map(measure);
+        let mut counts = self.extremum.is_some_and(Extremum::counts_from_release);
         let mut step = T::from_f64(1e-2);
         for _ in 0..MAX_STEPS {
             let left = self.budget - now.time;
             if left <= T::zero() {
+                if let Some(measure) = measure {
+                    now.extremum = measure
+                        .to_f64()
+                        .with_ends(now.extremum, (&now.phase.map(T::to_f64), now.time.to_f64()));
+                }
                 return Some(now);
             }
             if (self.give_up)() {
@@ -110,7 +120,9 @@ impl<T: Scalar> Referee<'_, T> {
                 }
                 TopVerdict::Clear => {}
             }
-            self.look_back(start, &mut now, &next, length, &mut has_left);
+            if let Some(measure) = &measure {
+                self.look_back(measure, &mut now, &next, length, &mut counts);
+            }
             (now.phase, now.time) = (next, now.time + length);
             // The error of the last column falls with a high power of the step.
             let power = 1.0 / (2 * self.columns - 1) as f64;
@@ -128,7 +140,8 @@ impl<T: Scalar> Referee<'_, T> {
             true => (self.step(start, off).0, off),
             false => (*start, T::zero()),
         };
-        MotionEnd { flipped: false, time, phase, passes: [0; 4], nearest: [f64::INFINITY, 0.0] }
+        let extremum = self.extremum.map_or([f64::INFINITY, 0.0], Extremum::none);
+        MotionEnd { flipped: false, time, phase, passes: [0; 4], extremum }
     }
 
     /// Returns true if a bob is exactly at the top.
@@ -136,43 +149,32 @@ impl<T: Scalar> Referee<'_, T> {
         phase[2 * bob] < T::zero() && phase[2 * bob + 1] == T::zero()
     }
 
-    /// Keeps the nearest return to the start if the step to `next` has one.
+    /// Keeps the extreme if the step to `next` has one.
     fn look_back(
         &self,
-        start: &Phase<T>,
+        measure: &Measure<T>,
         now: &mut MotionEnd<T>,
         next: &Phase<T>,
         step: T,
-        has_left: &mut bool,
+        counts: &mut bool,
     ) {
-        let (before, after) = (self.receding(start, &now.phase), self.receding(start, next));
-        *has_left |= before > 0.0 && after < 0.0;
-        if !(*has_left && before < 0.0 && after >= 0.0) {
+        let sign = if measure.extremum.is_greatest() { -1.0 } else { 1.0 };
+        let rate = |phase: &Phase<T>| sign * measure.slope(phase).to_f64();
+        let (before, after) = (rate(&now.phase), rate(next));
+        *counts |= before > 0.0 && after < 0.0;
+        if !(*counts && before < 0.0 && after >= 0.0) {
             return;
         }
         let (mut low, mut high) = (T::zero(), step);
         for _ in 0..HALVINGS {
             let middle = (low + high) * T::from_f64(0.5);
-            let is_before = self.receding(start, &self.step(&now.phase, middle).0) < 0.0;
+            let is_before = rate(&self.step(&now.phase, middle).0) < 0.0;
             *(if is_before { &mut low } else { &mut high }) = middle;
         }
-        let phase = self.step(&now.phase, high).0;
-        let scale = self.pendulum.momentum_scale().map(|scale| T::from_f64(1.0) / scale);
-        let distance = distance(&phase, start, scale).to_f64();
-        if distance < now.nearest[0] {
-            now.nearest = [distance, (now.time + high).to_f64()];
+        let value = measure.value(&self.step(&now.phase, high).0).to_f64();
+        if measure.extremum.is_beyond(value, now.extremum[0]) {
+            now.extremum = [value, (now.time + high).to_f64()];
         }
-    }
-
-    /// Half the rate of change of the squared distance from the start.
-    fn receding(&self, start: &Phase<T>, phase: &Phase<T>) -> f64 {
-        let rate = self.pendulum.derivative(phase);
-        let scale = self.pendulum.momentum_scale();
-        let part = |i: usize| {
-            let part = (phase[i] - start[i]) * rate[i];
-            if i < 4 { part } else { part / (scale[i - 4] * scale[i - 4]) }
-        };
-        (0..6).fold(T::zero(), |sum, i| sum + part(i)).to_f64()
     }
 
     /// Makes a step and returns the distance between its last two columns as its error.
@@ -320,6 +322,7 @@ mod tests {
         let pendulum = Pendulum::points([one; 2], [one; 2], one);
         let referee = Referee {
             pendulum,
+            extremum: None,
             bobs: rule.watched(),
             passes: 1,
             budget: T::from_f64(60.0),

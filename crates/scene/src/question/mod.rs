@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::allowed::{did_you_mean, in_a_row, named};
 use flipmap_numbers::Dd;
+use flipmap_pendulum::extremum::Extremum;
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::passes::Pass;
 use flipmap_pendulum::phase::Phase;
@@ -116,9 +117,9 @@ pub trait Followed {
     fn turns(&self) -> [i32; 2];
     /// Returns the exponent of the growth so far, in 1/s.
     fn exponent(&mut self) -> f64;
-    /// Returns the least distance from the start since the pendulum left it, and the time of this
-    /// distance in s.
-    fn nearest(&mut self) -> [f64; 2];
+    /// Returns the extreme so far of the quantity that the question needs, in reduced units of time,
+    /// and its time in s; NaN if there is none yet.
+    fn extremum(&mut self) -> [f64; 2];
 }
 
 /// The bobs that a question watches.
@@ -153,8 +154,8 @@ pub enum Needs {
     End,
     /// The growth of nudges, with the outcome and the state at the end.
     Growth,
-    /// The nearest return to the start, with the outcome and the state at the end.
-    Return,
+    /// The extreme of a quantity along the motion, with the outcome and the state at the end.
+    Extremum(Extremum),
 }
 
 /// Largest number of channels of any question.

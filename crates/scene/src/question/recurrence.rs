@@ -5,6 +5,7 @@ use super::{
     QuestionInput, TraceColumns, Watches,
 };
 use flipmap_pendulum::Rule;
+use flipmap_pendulum::extremum::Extremum;
 
 pub(super) const QUESTION: QuestionDef = QuestionDef {
     name: "return",
@@ -24,19 +25,19 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
     painted: Painted::First,
     tint: None,
     follows_cells: false,
-    needs: Needs::Return,
+    needs: Needs::Extremum(Extremum::NearestReturn),
     read,
     columns: TraceColumns { from: 0, read: columns },
     judged: Judgement { budget_secs: 5.0, error: apart, max_error: 1e-3, words: "1e-3" },
 };
 
 fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {
-    let [distance, time] = ending.gathered.nearest;
+    let [distance, time] = ending.gathered.extremum;
     [distance, time * ending.unit_secs, 0.0, 0.0, 0.0, 0.0]
 }
 
 fn columns(followed: &mut dyn Followed) -> Vec<f64> {
-    followed.nearest().to_vec()
+    followed.extremum().to_vec()
 }
 
 /// Returns the error of the distance.

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::Precision;
 use crate::adapters::Pairs;
 use crate::integrator_state::SLOPES;
+use crate::{Precision, WantedEnds};
 use flipmap_pendulum::tangents::LARGE;
 
 /// Values of a kernel's text.
@@ -90,11 +90,14 @@ pub(super) struct CarriedValues {
     pub(super) large: String,
     pub(super) smaller: String,
     pub(super) log_large: String,
+    /// True if the greatest value of a quantity is looked for, false if the least.
+    pub(super) greatest: bool,
 }
 
 impl CarriedValues {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(ends: WantedEnds) -> Self {
         CarriedValues {
+            greatest: matches!(ends, WantedEnds::Extremum(extremum) if extremum.is_greatest()),
             slopes: SLOPES.as_flattened(),
             large: format!("{LARGE:?}"),
             smaller: format!("{:?}", 1.0 / LARGE),

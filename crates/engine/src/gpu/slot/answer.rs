@@ -85,7 +85,10 @@ impl Slot {
                 let end = |state| start::end_with_growth(&reduced, state);
                 return states.par_iter().map(end).collect();
             }
-            WantedEnds::Return => return states.iter().map(start::end_with_return).collect(),
+            WantedEnds::Extremum(extremum) => {
+                let end = |state| start::end_with_extremum(extremum, &reduced, state);
+                return states.iter().map(end).collect();
+            }
             WantedEnds::None | WantedEnds::Plain => {}
         }
         let one = |(k, (raw, state)): (usize, (&RawOutcome, &IntegratorState))| {

@@ -1,9 +1,8 @@
-// A tile's pendulums on their way back to their starts (counterpart:
-// crates/engine/src/cpu/nearest.rs); all run to the end of the budget, where the last step is cut.
-// `advance` stops before a step in which the distance from the start has a minimum, and `look`
-// finds it.
+// A tile's pendulums and the extreme of a quantity along their motion (counterpart:
+// crates/engine/src/cpu/extremum.rs); all run to the end of the budget, where the last step is cut.
+// `advance` stops before a step in which the quantity has an extreme, and `look` finds it.
 
-// Halvings in the search for a minimum: its time to a billionth of a step.
+// Halvings in the search for an extreme: its time to a billionth of a step.
 const HALVINGS = 30u;
 
 @compute @workgroup_size(WORKGROUP)
@@ -27,12 +26,12 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% else %}
         let accepted = true;
 {% endif %}
-        let turns = rough(receding) < 0 && rough(receding_next) >= 0;
-        suspect = accepted && rough(has_left) > 0 && turns;
+        let turns = rough(rate) < 0 && rough(rate_next) >= 0;
+        suspect = accepted && rough(counts) > 0 && turns;
         let taken = accepted && !suspect;
-        // The distance falls for the first time.
-        let leaves = taken && rough(receding) > 0 && rough(receding_next) < 0;
-        has_left = select(has_left, real(1.0), leaves);
+        // The quantity turns towards its next extreme.
+        let leaves = taken && rough(rate) > 0 && rough(rate_next) < 0;
+        counts = select(counts, real(1.0), leaves);
 {% for name in moving %}
         {{ name }} = select({{ name }}, {{ name }}_next, taken);
 {% endfor %}
@@ -68,7 +67,7 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
 {% endfor %}
     var low = real(0.0);
     var high = whole;
-    // First the whole step, then the halvings, and last the distance at the minimum.
+    // First the whole step, then the halvings, and last the value of the extreme.
     for (var trial = 0u; trial < HALVINGS + 2u; trial++) {
         var length = select(scaled(sum_of(low, high, zero), 0.5), whole, trial == 0u);
         length = select(length, high, trial > HALVINGS);
@@ -82,13 +81,17 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
             h_after = real(next_length(rough(whole), excess_of(rough(error_squared), rough(time))));
 {% endif %}
         } else if trial <= HALVINGS {
-            low = select(low, step, rough(receding_next) < 0);
-            high = select(step, high, rough(receding_next) < 0);
+            low = select(low, step, rough(rate_next) < 0);
+            high = select(step, high, rough(rate_next) < 0);
         } else {
-            let distance = root_of(distance_squared_next);
-            let nearer = is_less(distance, nearest);
-            nearest_time_after = select(nearest_time, sum_of(time, high, zero), nearer);
-            nearest_after = select(nearest, distance, nearer);
+            let value = root_of(square_next);
+{% if greatest %}
+            let is_beyond = is_less(best, value);
+{% else %}
+            let is_beyond = is_less(value, best);
+{% endif %}
+            best_time_after = select(best_time, sum_of(time, high, zero), is_beyond);
+            best_after = select(best, value, is_beyond);
         }
     }
 {% if not adaptive %}

@@ -1,0 +1,68 @@
+//! Finds the extremes of a quantity along an orbit, on its Taylor expansions.
+
+use super::trace_channels::reduced_phase;
+use flipmap_numbers::Dd;
+use flipmap_pendulum::State;
+use flipmap_pendulum::extremum::Measure;
+use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::taylor::TaylorStep;
+
+/// Number of parts of a step in which an extreme is looked for.
+const PARTS: u32 = 16;
+/// Number of halvings that find an extreme to the last digits of f64.
+const HALVINGS: u32 = 50;
+
+/// A search for the extremes of a quantity along an orbit.
+pub(super) struct ExtremumSearch {
+    measure: Measure<f64>,
+    unit_secs: f64,
+    /// Times (s) of the extremes, and their values.
+    found: Vec<[f64; 2]>,
+}
+
+impl ExtremumSearch {
+    /// Begins a search. The pendulum of the measure is in reduced units; `unit_secs` is its unit of
+    /// time in s.
+    pub(super) fn new(measure: Measure<f64>, unit_secs: f64) -> Self {
+        ExtremumSearch { measure, unit_secs, found: Vec::new() }
+    }
+
+    /// Looks for extremes in the next step of the orbit.
+    pub(super) fn add(&mut self, step: &TaylorStep<Dd>) {
+        let length = (step.end() - step.start).hi;
+        let at = |part: u32| length * f64::from(part) / f64::from(PARTS);
+        let rate = |tau: f64| self.measure.rate(&self.phase(&step.state(Dd::new(tau))));
+        let mut found = Vec::new();
+        for part in 0..PARTS {
+            let (mut low, mut high) = (at(part), at(part + 1));
+            if !(rate(low) < 0.0 && rate(high) >= 0.0) {
+                continue;
+            }
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (low + high);
+                if rate(middle) < 0.0 { low = middle } else { high = middle }
+            }
+            let value = self.measure.value(&self.phase(&step.state(Dd::new(high))));
+            found.push([step.start.hi + high, value]);
+        }
+        self.found.append(&mut found);
+    }
+
+    /// Returns the extreme up to `secs`, at which the orbit is in a state, and its time in s; NaN
+    /// where there is none yet.
+    pub(super) fn until(&self, secs: f64, state: &State<Dd>) -> [f64; 2] {
+        let kind = self.measure.extremum;
+        let mut best = kind.none();
+        for &[time, value] in self.found.iter().filter(|[time, _]| *time <= secs) {
+            if kind.is_beyond(value, best[0]) {
+                best = [value, time];
+            }
+        }
+        let [value, time] = self.measure.with_ends(best, (&self.phase(state), secs));
+        if value.is_finite() { [value, time] } else { [f64::NAN; 2] }
+    }
+
+    fn phase(&self, state: &State<Dd>) -> Phase<f64> {
+        reduced_phase(&self.measure.pendulum, self.unit_secs, state)
+    }
+}
