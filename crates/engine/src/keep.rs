@@ -42,7 +42,7 @@ impl Keep {
     pub fn check(self, config: &IntegratorConfig) -> Result<(), EngineError> {
         if self.states && self.ends.are_carried() && config.precision == Precision::Dd {
             // Carried quantities are kept in f64.
-            let why = "growth and returns in dd cannot be resumed, so their state cannot be saved";
+            let why = "what a question gathers along the way in dd cannot be resumed, so it cannot be saved";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         self.ends.check(config)
@@ -65,7 +65,7 @@ impl WantedEnds {
         let refuse = |why: &str| Err(EngineError::Unsupported(why.to_string()));
         match config.method {
             Method::Extrapolation { .. } if self.are_extremes() => {
-                refuse("returns are not computed by midpoint rules")
+                refuse("extremes along the way are not computed by midpoint rules")
             }
             Method::Embedded { pair, .. }
                 if self == WantedEnds::Growth

@@ -142,7 +142,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     if is_possible {
         return Ok(());
     }
-    let why = "growth and returns can be continued only if they began at the release";
+    let why = "what a question gathers along the way can be continued only from the release";
     Err(EngineError::Unsupported(why.to_string()))
 }
 

@@ -41,6 +41,14 @@ impl Extremum {
         }
     }
 
+    /// Returns an extreme and its time in SI units, from reduced ones; `unit_secs` is the unit of time
+    /// in s.
+    pub fn in_si(self, [value, time]: [f64; 2], unit_secs: f64) -> [f64; 2] {
+        match self {
+            Extremum::NearestReturn => [value, time * unit_secs],
+        }
+    }
+
     /// Returns true if `value` is a more extreme one than `other`.
     pub fn is_beyond(self, value: f64, other: f64) -> bool {
         if self.is_greatest() { value > other } else { value < other }

@@ -127,7 +127,7 @@ impl Design {
     /// Returns the same kernel, or an error if its scheme cannot compute `ends`.
     pub(crate) fn returning(self, ends: WantedEnds) -> Result<Self, EngineError> {
         if self.scheme == Scheme::Series && ends.are_carried() {
-            let why = "graphics adapters compute no growth and no returns by the method taylor";
+            let why = "graphics adapters do not answer this question by the method taylor";
             return Err(EngineError::Unsupported(why.to_string()));
         }
         Ok(self)

@@ -20,7 +20,7 @@ const NUDGE_DIGITS: f64 = 8.0;
 
 /// Returns the outcome of a start (angles in (−π, π] rad, speeds in rad/s) and its end. `ends`
 /// selects the ends that the answer needs, and `apart_rad` is the distance to neighbouring starts.
-/// The nearest return to the start is not computed.
+/// Extremes along the motion are not computed.
 pub fn answer(
     question: &EventSpec,
     ends: WantedEnds,

@@ -59,7 +59,8 @@ impl ExtremumSearch {
             }
         }
         let [value, time] = self.measure.with_ends(best, (&self.phase(state), secs));
-        if value.is_finite() { [value, time] } else { [f64::NAN; 2] }
+        let [in_si, _] = kind.in_si([value, time], self.unit_secs);
+        if value.is_finite() { [in_si, time] } else { [f64::NAN; 2] }
     }
 
     fn phase(&self, state: &State<Dd>) -> Phase<f64> {

@@ -117,8 +117,8 @@ pub trait Followed {
     fn turns(&self) -> [i32; 2];
     /// Returns the exponent of the growth so far, in 1/s.
     fn exponent(&mut self) -> f64;
-    /// Returns the extreme so far of the quantity that the question needs, in reduced units of time,
-    /// and its time in s; NaN if there is none yet.
+    /// Returns the extreme so far of the quantity that the question needs, and its time in s; NaN if
+    /// there is none yet.
     fn extremum(&mut self) -> [f64; 2];
 }
 

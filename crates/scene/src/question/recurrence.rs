@@ -32,8 +32,9 @@ pub(super) const QUESTION: QuestionDef = QuestionDef {
 };
 
 fn read(ending: &QuestionInput) -> [f64; MAX_CHANNELS] {
-    let [distance, time] = ending.gathered.extremum;
-    [distance, time * ending.unit_secs, 0.0, 0.0, 0.0, 0.0]
+    let extremum = ending.gathered.extremum;
+    let [distance, time] = Extremum::NearestReturn.in_si(extremum, ending.unit_secs);
+    [distance, time, 0.0, 0.0, 0.0, 0.0]
 }
 
 fn columns(followed: &mut dyn Followed) -> Vec<f64> {
