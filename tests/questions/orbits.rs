@@ -71,7 +71,7 @@ fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
         keep: Keep { ends: WantedEnds::Extremum(Extremum::NearestReturn), states: true },
     };
     let refused = { engine }.submit(job).unwrap_err().to_string();
-    assert!(refused.contains("their state cannot be saved"), "{refused}");
+    assert!(refused.contains("so it cannot be saved"), "{refused}");
 }
 
 /// The most precise configuration.

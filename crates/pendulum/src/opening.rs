@@ -50,7 +50,7 @@ impl Rates {
     /// The bounds for a pendulum in reduced units: the equations of motion, solved for the
     /// accelerations, with all sines and cosines 1 and the least determinant.
     pub(crate) fn new(pendulum: &Pendulum<f64>) -> Self {
-        let Pendulum { a, b, c, p, q, least_det, friction } = *pendulum;
+        let Pendulum { a, b, c, p, q, least_det, friction, lengths: _ } = *pendulum;
         let [b1, b2] = friction.unwrap_or([0.0; 2]);
         let both = (a.max(b) + c) / least_det;
         Rates {

@@ -17,7 +17,8 @@ use crate::flip::Rule;
 use flipmap_numbers::dd::Dd;
 use flipmap_numbers::real::{Angle, Real, Scalar};
 
-/// The five numbers of a pendulum (kg m² and J), and the constant that follows from them.
+/// The five numbers of a pendulum (kg m² and J), the constant that follows from them, and the
+/// lengths of its rods.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pendulum<T> {
     /// Inertia of the first angle in kg m².
@@ -35,6 +36,9 @@ pub struct Pendulum<T> {
     /// Friction b1 and b2 at the two pivots in N m s. Without friction it is `None`, and kernels
     /// and loops contain no code for it.
     pub friction: Option<[T; 2]>,
+    /// Lengths l1 and l2 of the rods in m, which turn angular velocities into speeds of the bobs; no
+    /// equation of motion contains them.
+    pub lengths: [T; 2],
 }
 
 /// A start with speeds, to the precision of double-double.
@@ -96,6 +100,7 @@ impl<T: Scalar> Pendulum<T> {
             q: m2 * gravity * l2,
             least_det: m1 * m2 * l1 * l1 * l2 * l2,
             friction: None,
+            lengths,
         }
     }
 
@@ -111,6 +116,7 @@ impl<T: Scalar> Pendulum<T> {
             q: m2 * gravity * l2 / lit(2.0),
             least_det: (m1 / lit(9.0) + m2 / lit(12.0)) * m2 * l1 * l1 * l2 * l2,
             friction: None,
+            lengths,
         }
     }
 
@@ -128,6 +134,7 @@ impl<T: Scalar> Pendulum<T> {
             q: one,
             least_det: self.least_det / (self.c * self.c),
             friction: self.friction.map(|pair| pair.map(|b| b / (self.c * self.q).sqrt())),
+            lengths: self.lengths,
         };
         (reduced, (self.c / self.q).sqrt())
     }
@@ -196,6 +203,7 @@ impl<T: Copy> Pendulum<T> {
             q: f(self.q),
             least_det: f(self.least_det),
             friction: self.friction.map(|pair| pair.map(&f)),
+            lengths: [f(self.lengths[0]), f(self.lengths[1])],
         }
     }
 }

@@ -209,7 +209,7 @@ impl PendulumSpec {
         };
         let friction = self.friction.map(|b| of(b) / (force * unit_secs));
         let friction = self.has_friction().then_some(friction);
-        (Pendulum { a, b, c: one, p, q: one, least_det, friction }, unit_secs)
+        (Pendulum { a, b, c: one, p, q: one, least_det, friction, lengths: [l1, l2] }, unit_secs)
     }
 
     /// Returns the pendulum's natural unit of time in s, or 1 s without gravity, when nothing

@@ -35,6 +35,7 @@ impl Design {
                 q: literal(1.0),
                 least_det: variable("least_det"),
                 friction: None,
+                lengths: ["length1", "length2"].map(variable),
             },
         }
     }
