@@ -196,7 +196,10 @@ fn scenes_that_are_none_are_refused_by_name() {
         ("cut.png", "not a complete PNG"),
         ("text.png", "not a complete PNG"),
         ("unknown.toml", "line 2, column 1: unknown key 'colour'; it must be one of"),
-        ("ask.toml", "it must be one of 'flip', 'first', 'flips', 'state', 'growth', 'return'"),
+        (
+            "ask.toml",
+            "it must be one of 'flip', 'first', 'flips', 'state', 'growth', 'return', 'speed'",
+        ),
         ("type.toml", "line 2, column 10"),
         ("future.toml", "format 2"),
     ];

@@ -7,5 +7,6 @@ mod deep;
 mod deep_planes;
 mod flips;
 mod orbits;
+mod speeds;
 mod states;
 mod truth;

@@ -108,7 +108,9 @@ fn a_film_of_states_passes_through_the_states_of_stills() {
 
 #[test]
 fn a_film_of_any_question_about_a_time_passes_through_its_stills() {
-    for ask in [QuestionName::Flips, QuestionName::Growth, QuestionName::Return] {
+    for ask in
+        [QuestionName::Flips, QuestionName::Growth, QuestionName::Return, QuestionName::Speed]
+    {
         for config in [BALANCED, FAST, lesson(Precision::F64)] {
             let mut scene = scene(ask, plane("speeds", ["2", "-1", "0", "0"]), "20", 30.0);
             let mut engine = CpuEngine::new(Some(2)).unwrap();

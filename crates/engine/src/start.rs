@@ -179,7 +179,8 @@ fn with_start(
     state: IntegratorState,
 ) -> IntegratorState {
     let start = phase_at(reduced, pace, &state);
-    let (counts, best) = (extremum.counts_from_release(), extremum.none());
+    let best = Measure::new(extremum, *reduced, start).begun();
+    let counts = extremum.counts_from_release();
     let carried = Some(Box::new(Carried::Extremum { start, counts, best }));
     let mut numbers = state.numbers;
     if let Pace::Fixed(steps) = pace {
@@ -382,17 +383,11 @@ pub(crate) fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -
 }
 
 /// The end of a pendulum whose extreme has been looked for.
-pub(crate) fn end_with_extremum(
-    extremum: Extremum,
-    reduced: &Pendulum<f64>,
-    left: &IntegratorState,
-) -> FinalState {
+pub(crate) fn end_with_extremum(left: &IntegratorState) -> FinalState {
     let (time, phase) = (left.numbers[TIME] + left.numbers[TIME_LOW], phase_of(&left.numbers));
     let best = match left.carried.as_deref() {
-        Some(Carried::Extremum { start, best, .. }) => {
-            Measure::new(extremum, *reduced, *start).with_ends(*best, (&phase, time))
-        }
-        _ => extremum.none(),
+        Some(Carried::Extremum { best, .. }) => *best,
+        _ => Accumulators::NONE.extremum,
     };
     let gathered = Accumulators { extremum: best, ..Accumulators::NONE };
     FinalState { time, phase, gathered, ..FinalState::NOWHERE }

@@ -15,21 +15,17 @@ pub enum Extremum {
     /// The least distance from the start, in unit vectors and scaled momenta, after the motion has
     /// left it.
     NearestReturn,
+    /// The greatest speed of the second bob, or of the end of the second bar, in m per unit of time.
+    GreatestSpeed,
 }
 
 impl Extremum {
-    /// The value and the time of an extreme that has not been found.
-    pub const fn none(self) -> [f64; 2] {
-        match self {
-            Extremum::NearestReturn => [f64::INFINITY, 0.0],
-        }
-    }
-
     /// Returns true if the quantity is at its extreme where it is greatest, false if where it is
     /// least.
     pub const fn is_greatest(self) -> bool {
         match self {
             Extremum::NearestReturn => false,
+            Extremum::GreatestSpeed => true,
         }
     }
 
@@ -38,6 +34,7 @@ impl Extremum {
     pub const fn counts_from_release(self) -> bool {
         match self {
             Extremum::NearestReturn => false,
+            Extremum::GreatestSpeed => true,
         }
     }
 
@@ -46,6 +43,7 @@ impl Extremum {
     pub fn in_si(self, [value, time]: [f64; 2], unit_secs: f64) -> [f64; 2] {
         match self {
             Extremum::NearestReturn => [value, time * unit_secs],
+            Extremum::GreatestSpeed => [value / unit_secs, time * unit_secs],
         }
     }
 
@@ -76,6 +74,12 @@ impl<T: Real> Measure<T> {
                 let apart = |i: usize| (phase[i] - self.start[i]) * self.unit(i);
                 sum(|i| apart(i) * apart(i))
             }
+            Extremum::GreatestSpeed => {
+                let [x1, y1, x2, y2, ..] = *phase;
+                let ([l1, l2], [w1, w2]) = (self.pendulum.lengths, self.pendulum.speeds(phase));
+                let across = [l1 * w1 * x1 + l2 * w2 * x2, l1 * w1 * y1 + l2 * w2 * y2];
+                across[0] * across[0] + across[1] * across[1]
+            }
         }
     }
 
@@ -88,6 +92,7 @@ impl<T: Real> Measure<T> {
                 let unit = |i: usize| self.unit(i) * self.unit(i);
                 sum(|i| (phase[i] - self.start[i]) * rate[i] * unit(i))
             }
+            Extremum::GreatestSpeed => -self.slope(phase),
         }
     }
 
@@ -138,11 +143,25 @@ impl<T: Scalar> Measure<T> {
 }
 
 impl Measure<f64> {
-    /// Returns the extreme, and the time at which it occurred, of a motion that has ended in
-    /// `phase` at `time`, from the extreme `best` inside it.
-    pub fn with_ends(&self, best: [f64; 2], (_phase, _time): (&Phase<f64>, f64)) -> [f64; 2] {
+    /// Returns the extreme of a motion that has only begun, and its time; the value is infinite if
+    /// there is none yet.
+    pub fn begun(&self) -> [f64; 2] {
         match self.extremum {
+            Extremum::NearestReturn => [f64::INFINITY, 0.0],
+            Extremum::GreatestSpeed => [self.value(&self.start), 0.0],
+        }
+    }
+
+    /// Returns the extreme of a motion that has ended in `phase` at `time`, and its time, from the
+    /// extreme `best` before its end.
+    pub fn ended(&self, best: [f64; 2], (phase, time): (&Phase<f64>, f64)) -> [f64; 2] {
+        match self.extremum {
+            // At its end the motion may still be coming nearer.
             Extremum::NearestReturn => best,
+            Extremum::GreatestSpeed => {
+                let last = self.value(phase);
+                if self.extremum.is_beyond(last, best[0]) { [last, time] } else { best }
+            }
         }
     }
 }
@@ -150,4 +169,68 @@ impl Measure<f64> {
 /// The sum over the numbers of a phase.
 fn sum<T: Real>(part: impl Fn(usize) -> T) -> T {
     (1..6).fold(part(0), |sum, i| sum + part(i))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::State;
+    use crate::taylor::Orbit;
+
+    const ALL: [Extremum; 2] = [Extremum::NearestReturn, Extremum::GreatestSpeed];
+
+    fn pendulum() -> Pendulum<f64> {
+        Pendulum::rods([1.0, 2.0], [1.0, 0.6], 9.81)
+    }
+
+    #[test]
+    fn the_rate_is_that_of_the_square() {
+        let start = State { angle: [1.0, 2.5], speed: [0.5, -1.5] };
+        let mut orbit = Orbit::new(pendulum(), start);
+        for kind in ALL {
+            let measure = Measure::new(kind, pendulum(), pendulum().phase(&start));
+            let sign = if kind.is_greatest() { -1.0 } else { 1.0 };
+            let step = orbit.step();
+            let at = |tau: f64| pendulum().phase(&step.state(tau));
+            let (tau, by) = (0.4 * (step.end() - step.start), 1e-5);
+            let slope =
+                (measure.square(&at(tau + by)) - measure.square(&at(tau - by))) / (4.0 * by);
+            let rate = measure.rate(&at(tau));
+            assert!((sign * rate / slope - 1.0).abs() < 1e-6, "{kind:?}: {rate} {slope}");
+            assert!((measure.slope(&at(tau)) / (sign * rate) - 1.0).abs() < 1e-12, "{kind:?}");
+            assert_eq!(measure.to_f64().value(&at(tau)), measure.square(&at(tau)).sqrt());
+        }
+    }
+
+    #[test]
+    fn the_speed_of_the_second_bob_is_that_of_its_place() {
+        let [l1, l2] = [1.0, 0.6];
+        let state = State { angle: [0.7, -2.0], speed: [3.0, -5.0] };
+        let way = |angle: [f64; 2]| {
+            [l1 * angle[0].sin() + l2 * angle[1].sin(), l1 * angle[0].cos() + l2 * angle[1].cos()]
+        };
+        let by = 1e-6;
+        let moved = |by: f64| way([0, 1].map(|i| state.angle[i] + state.speed[i] * by));
+        let (ahead, behind) = (moved(by), moved(-by));
+        let speed = (ahead[0] - behind[0]).hypot(ahead[1] - behind[1]) / (2.0 * by);
+        let phase = pendulum().phase(&state);
+        let measure = Measure::new(Extremum::GreatestSpeed, pendulum(), phase);
+        assert!((measure.value(&phase) / speed - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_ends_of_a_motion_count_for_speeds_alone() {
+        let at = |speed: f64| pendulum().phase(&State { angle: [0.1, 0.2], speed: [speed, 0.0] });
+        let (slow, fast) = (at(0.1), at(4.0));
+        let ends = |kind, start, end| {
+            let measure = Measure::new(kind, pendulum(), start);
+            let begun = measure.begun();
+            let best = if begun[0] < 1.0 { [1.0, 2.0] } else { begun };
+            measure.ended(best, (&end, 9.0)).map(|number| (number * 1e9).round() / 1e9)
+        };
+        assert_eq!(ends(Extremum::NearestReturn, fast, fast), [f64::INFINITY, 0.0]);
+        assert_eq!(ends(Extremum::GreatestSpeed, slow, slow), [1.0, 2.0]);
+        assert_eq!(ends(Extremum::GreatestSpeed, slow, fast), [4.0, 9.0]);
+        assert_eq!(ends(Extremum::GreatestSpeed, fast, slow), [4.0, 0.0]);
+    }
 }

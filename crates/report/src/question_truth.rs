@@ -111,10 +111,10 @@ fn extremum(kind: Extremum, scene: &Scene, start: State<Dd>, secs: f64) -> [f64;
     let measure = Measure::new(kind, pendulum, from);
     let mut orbit = orbit(scene, start);
     let (mut before, mut counts) = ([measure.value(&from), 0.0], kind.counts_from_release());
-    let (mut best, mut phase) = (kind.none(), from);
+    let mut best = measure.begun();
     for k in 1..=STATES {
         let secs = secs * f64::from(k) / f64::from(STATES);
-        phase = pendulum.phase(&rounded(orbit.state_at(Dd::new(secs))));
+        let phase = pendulum.phase(&rounded(orbit.state_at(Dd::new(secs))));
         let now = [measure.value(&phase), secs];
         counts |= kind.is_beyond(now[0], before[0]);
         let turns = kind.is_beyond(before[0], now[0]);
@@ -123,7 +123,7 @@ fn extremum(kind: Extremum, scene: &Scene, start: State<Dd>, secs: f64) -> [f64;
         }
         before = now;
     }
-    measure.with_ends(best, (&phase, secs))
+    best
 }
 
 #[cfg(test)]

@@ -33,11 +33,11 @@ pub(super) fn run<R: Scalar, P: EmbeddedPair>(
     chunk: &Chunk,
     extremum: Extremum,
 ) -> Option<ChunkResult> {
-    let (pendulum, (reduced, _)) = (dynamics::<R>(chunk), chunk.question.reduced());
+    let pendulum = dynamics::<R>(chunk);
     let begin = |start: &IntegratorState| {
         Seeking::<R, P>::of(extremum, &pendulum, start, chunk.config.precision)
     };
-    one_by_one::run(chunk, begin, |left| end_with_extremum(extremum, &reduced, left))
+    one_by_one::run(chunk, begin, end_with_extremum)
 }
 
 impl<R: Scalar, P: EmbeddedPair> Seeking<R, P> {
@@ -54,7 +54,10 @@ impl<R: Scalar, P: EmbeddedPair> Seeking<R, P> {
             Some(Carried::Extremum { start, counts, best }) if precision != Precision::Dd => {
                 (start.map(R::from_f64), *counts, *best)
             }
-            _ => (phase, extremum.counts_from_release(), extremum.none()),
+            _ => {
+                let measure = Measure::new(extremum, *pendulum, phase).to_f64();
+                (phase, extremum.counts_from_release(), measure.begun())
+            }
         };
         let (time, length) = (state.numbers[TIME], state.numbers[STEP]);
         Seeking {

@@ -52,13 +52,13 @@ impl ExtremumSearch {
     /// where there is none yet.
     pub(super) fn until(&self, secs: f64, state: &State<Dd>) -> [f64; 2] {
         let kind = self.measure.extremum;
-        let mut best = kind.none();
+        let mut best = self.measure.begun();
         for &[time, value] in self.found.iter().filter(|[time, _]| *time <= secs) {
             if kind.is_beyond(value, best[0]) {
                 best = [value, time];
             }
         }
-        let [value, time] = self.measure.with_ends(best, (&self.phase(state), secs));
+        let [value, time] = self.measure.ended(best, (&self.phase(state), secs));
         let [in_si, _] = kind.in_si([value, time], self.unit_secs);
         if value.is_finite() { [in_si, time] } else { [f64::NAN; 2] }
     }

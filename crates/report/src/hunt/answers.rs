@@ -242,6 +242,7 @@ fn phase_of(pendulum: &Pendulum<Exact>, start: &State<Exact>, unit_secs: Exact) 
 mod tests {
     use super::*;
     use flipmap_scene::Budget;
+    use flipmap_scene::question::QuestionName;
 
     const SIDE: u32 = 4;
 

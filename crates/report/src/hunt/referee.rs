@@ -7,9 +7,9 @@
 //! on a bob's path comes from its acceleration at both ends, with a safety factor.
 
 use flipmap_numbers::Scalar;
-use flipmap_pendulum::Pendulum;
 use flipmap_pendulum::extremum::{Extremum, Measure};
 use flipmap_pendulum::phase::Phase;
+use flipmap_pendulum::{Accumulators, Pendulum};
 
 /// A solver for the motion of one pendulum.
 pub(super) struct Referee<'a, T> {
@@ -79,11 +79,6 @@ impl<T: Scalar> Referee<'_, T> {
         for _ in 0..MAX_STEPS {
             let left = self.budget - now.time;
             if left <= T::zero() {
-                if let Some(measure) = measure {
-                    now.extremum = measure
-                        .to_f64()
-                        .with_ends(now.extremum, (&now.phase.map(T::to_f64), now.time.to_f64()));
-                }
                 return Some(now);
             }
             if (self.give_up)() {
@@ -140,7 +135,10 @@ impl<T: Scalar> Referee<'_, T> {
             true => (self.step(start, off).0, off),
             false => (*start, T::zero()),
         };
-        let extremum = self.extremum.map_or([f64::INFINITY, 0.0], Extremum::none);
+        let extremum = match self.extremum {
+            Some(kind) => Measure::new(kind, self.pendulum, *start).to_f64().begun(),
+            None => Accumulators::NONE.extremum,
+        };
         MotionEnd { flipped: false, time, phase, passes: [0; 4], extremum }
     }
 

@@ -81,6 +81,11 @@ impl AnswerColours {
                 let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;
                 Way::Between(channel, [0.0, most], palette)
             }
+            ChannelScale::Speeds(most) => {
+                let most = most * scene.build.lengths_m()[1] / scene.build.unit_secs();
+                let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;
+                Way::Between(channel, [0.0, most], palette)
+            }
             ChannelScale::Between(from, to) => {
                 Way::Between(channel, [from, to], Palette::named(&picture.palette)?)
             }

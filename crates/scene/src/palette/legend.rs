@@ -127,6 +127,7 @@ mod tests {
             (QuestionName::Flips, 3),
             (QuestionName::Growth, 0),
             (QuestionName::Return, 0),
+            (QuestionName::Speed, 0),
         ] {
             let question = QuestionSettings { ask, ..QuestionSettings::default() };
             let name = ask.kind().channels[channel].name;

@@ -12,6 +12,7 @@ mod flip;
 mod flips;
 mod growth;
 mod recurrence;
+mod speed;
 mod state;
 
 use std::fmt;
@@ -44,6 +45,8 @@ pub enum QuestionName {
     Growth,
     /// The nearest return to the start.
     Return,
+    /// The greatest speed of the second bob.
+    Speed,
 }
 
 /// The definition of a question.
@@ -168,7 +171,8 @@ pub struct Channel {
     pub name: &'static str,
     /// Unit; empty for a count.
     pub unit: &'static str,
-    /// Largest error of a right value, in its unit; for rates, as a share of the true value.
+    /// Largest error of a right value, in its unit; for rates and speeds, as a share of the true
+    /// value.
     pub right: f64,
     /// Natural scale of its colours.
     pub scale: ChannelScale,
@@ -181,7 +185,7 @@ impl Channel {
         let apart = (value - truth).abs();
         let allowed = match self.scale {
             ChannelScale::Times if self.right <= right_secs(f64::INFINITY) => right_secs(unit_secs),
-            ChannelScale::Rates(_) => self.right * truth.abs(),
+            ChannelScale::Rates(_) | ChannelScale::Speeds(_) => self.right * truth.abs(),
             _ if self.unit == "rad/s" => {
                 // A fast pendulum has larger speeds, which are allowed the same relative error.
                 self.right * right_secs(f64::INFINITY) / right_secs(unit_secs)
@@ -212,6 +216,8 @@ pub enum ChannelScale {
     Bobs,
     /// Rates, from 0 to this many per natural unit of time of the pendulum.
     Rates(f64),
+    /// Speeds, from 0 to this many lengths of the second rod per natural unit of time.
+    Speeds(f64),
 }
 
 /// The outcome and the end of an integration, as a question reads them.
@@ -246,13 +252,14 @@ impl QuestionDef {
 
 impl QuestionName {
     /// Every question.
-    pub const ALL: [QuestionName; 6] = [
+    pub const ALL: [QuestionName; 7] = [
         QuestionName::Flip,
         QuestionName::First,
         QuestionName::Flips,
         QuestionName::State,
         QuestionName::Growth,
         QuestionName::Return,
+        QuestionName::Speed,
     ];
 
     /// Returns the definition of the question.
@@ -264,6 +271,7 @@ impl QuestionName {
             QuestionName::State => &state::QUESTION,
             QuestionName::Growth => &growth::QUESTION,
             QuestionName::Return => &recurrence::QUESTION,
+            QuestionName::Speed => &speed::QUESTION,
         }
     }
 
@@ -305,7 +313,8 @@ impl QuestionName {
             QuestionName::Flips
             | QuestionName::State
             | QuestionName::Growth
-            | QuestionName::Return => false,
+            | QuestionName::Return
+            | QuestionName::Speed => false,
         }
     }
 

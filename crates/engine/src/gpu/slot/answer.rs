@@ -85,9 +85,8 @@ impl Slot {
                 let end = |state| start::end_with_growth(&reduced, state);
                 return states.par_iter().map(end).collect();
             }
-            WantedEnds::Extremum(extremum) => {
-                let end = |state| start::end_with_extremum(extremum, &reduced, state);
-                return states.iter().map(end).collect();
+            WantedEnds::Extremum(_) => {
+                return states.iter().map(start::end_with_extremum).collect();
             }
             WantedEnds::None | WantedEnds::Plain => {}
         }
