@@ -9,9 +9,6 @@ struct Bob {
     w: f32,
 }
 
-// Clearance of a bob that is below its pivot.
-const FAR = {{ far }};
-
 fn inward(y: f32, begin: f32) -> f32 {
     return select(y, -y, begin < 0);
 }
@@ -82,47 +79,63 @@ fn crosses(before: Bob, after: Bob) -> bool {
     return (before.y > 0 && after.y <= 0) || (before.y < 0 && after.y >= 0);
 }
 
-{% if counts_turns %}
-{% include "turns.wgsl" %}
-{% endif %}
-@compute @workgroup_size(WORKGROUP)
-fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
-{% include "running.wgsl" %}
-    let zero = job.zero;
-{% include "general.wgsl" %}
-{% include "slice.wgsl" %}
-    while !suspect && steps < stop && rough(time) < budget {
-        let step = h;
-{{ maths.step }}
-        let excess = excess_of(rough(error_squared), rough(time));
-        let accepted = excess < 0;
-        var near = FAR;
-{% for bob in watched %}
-        {% if general %}if (job.watched & {{ bob }}u) != 0u {{ '{' }}{% endif %}
+// The watched bobs at the beginning of a step and at its end.
+fn bobs_before(now: State, step: Step) -> array<Bob, 2> {
+    return array<Bob, 2>({{ befores }});
+}
 
-        near = min(near, clearance_of(
-            Bob(rough(x{{ bob }}), rough(y{{ bob }}), rough(w{{ bob }})),
-            Bob(rough(x{{ bob }}_next), rough(y{{ bob }}_next), rough(w{{ bob }}_next)),
-            {{ bows[loop.index0] }}, rough(h)));
-        {% if general %}{{ '}' }}{% endif %}
+fn bobs_after(step: Step) -> array<Bob, 2> {
+    return array<Bob, 2>({{ nows }});
+}
+
+// Distance from the top that the watched bobs keep over a step.
+fn clearance_in_step(now: State, step: Step, h: f32) -> f32 {
+    let befores = bobs_before(now, step);
+    let nows = bobs_after(step);
+    var near = FAR;
+{% for bob in watched %}
+    {% if general %}if (job.watched & {{ bob }}u) != 0u {{ '{' }}{% endif %}
+
+    near = min(near, clearance_of(befores[{{ loop.index0 }}], nows[{{ loop.index0 }}], {{ bows[loop.index0] }}, h));
+    {% if general %}{{ '}' }}{% endif %}
 
 {% endfor %}
+    return near;
+}
+
+@compute @workgroup_size(WORKGROUP)
+fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
+    let pixel = pixel_at(queue.turn, id.x);
+    if pixel == NO_PIXEL {
+        return;
+    }
+    var now = state_of(pixel);
+    var steps = outcomes[pixel].steps;
+    let stop = min(steps + job.slice_steps, job.most_steps);
+    let budget = job.budget;
+    var clearance = outcomes[pixel].clearance;
+    var suspect = false;
+{% if counts_turns %}
+    var turns = turns_of(pixel);
+{% endif %}
+    while !suspect && steps < stop && rough(now.time) < budget {
+        let h = rough(now.h);
+        let step = step_from(now, now.h);
+        let excess = excess_of(rough(step.error_squared), rough(now.time));
+        let accepted = excess < 0;
+        let near = clearance_in_step(now, step, h);
         suspect = accepted && near <= 0;
         let taken = accepted && !suspect;
 {% if counts_turns %}
-        let more = vec2<i32>(
-            turns_between(rough(x1), rough(y1), rough(x1_next), rough(y1_next)),
-            turns_between(rough(x2), rough(y2), rough(x2_next), rough(y2_next)),
-        );
-        turns += select(vec2<i32>(0), more, taken);
+        turns += select(vec2<i32>(0), turns_in_step(now, step.next), taken);
 {% endif %}
-{% for name in moving %}
-        {{ name }} = select({{ name }}, {{ name }}_next, taken);
-{% endfor %}
-        h = real(select(next_length(rough(h), excess), rough(h), suspect));
+        now = chosen(taken, step.next, now);
+        now.h = real(select(next_length(h, excess), h, suspect));
         clearance = select(clearance, min(clearance, near), taken);
         steps += select(1u, 0u, suspect);
     }
-{% include "stop.wgsl" %}
+{% if counts_turns %}
+    keep_turns(pixel, turns);
+{% endif %}
+    end_slice(pixel, now, steps, clearance, suspect);
 }
-

@@ -1,3 +1,9 @@
+// Number of steps after which a pendulum is stopped. The last fixed step may be cut in two by
+// rounding, and f32 rounds long times.
+fn most_steps_to_end() -> u32 {
+    return job.most_steps + 2u + job.most_steps / 256u;
+}
+
 // The few operations outside the printed maths on numbers that pendulums carry along, which may be
 // pairs of f32.
 

@@ -10,10 +10,9 @@ macro_rules! kernel_parts {
 }
 
 kernel_parts! {
-    "shared" "outcome" "f32" "df32" "f64" "flip" "general" "running" "suspect" "fixed"
-    "fixed_look" "fixed_passes" "control" "carried" "tangents" "extremum" "adaptive" "look"
-    "slice" "stop" "turns" "series" "course" "series_look" "series_passes" "passes" "begin"
-    "turn" "pack" "selfcheck"
+    "shared" "outcome" "f32" "df32" "f64" "state" "flip" "fixed" "fixed_look" "fixed_passes"
+    "control" "carried" "tangents" "extremum" "phase" "adaptive" "look_on_quartic"
+    "look_by_trials" "look" "series" "course" "series_look" "begin" "turn" "pack" "selfcheck"
 }
 
 /// The shader that colours the window's tiles.

@@ -1,264 +1,203 @@
 // Decides the steps before which `advance` stopped (counterpart: crates/engine/src/cpu/pair.rs):
 // the first trial is the whole step, and those after it end where a bob may be at the top. Every
 // value that decides anything comes from a step of the method itself.
+
+// What a trial is for: the whole step,
 const WHOLE = 0u;
-// An interval in which the bob may cross the top.
+// the end of an interval in which the bob may cross the top,
 const PART = 1u;
-// An interval in which the bob crosses the top.
+// the place at which the bob crosses the top,
 const CROSS = 2u;
-{% if counts_passes %}
-// A step that ends where a bob passes the top.
+// or the state at the first pass.
 const TOP = 3u;
-{% endif %}
 // Largest number of trials for one step; a graze takes some sixty.
 const MAX_TRIALS = 400u;
+
+// The search for the first pass of the top in a step.
+struct Search {
+    goal: u32,
+    // The watched bob that is examined, from 0.
+    bob: u32,
+    // True once it is decided where that bob passes.
+    bob_done: bool,
+    // False if the whole step shows that it does not pass, and the clearance that it then keeps.
+    may_pass: bool,
+    spared: f32,
+    // Number of trials.
+    trials: u32,
+    // Length of the step, and of the next trial.
+    whole: f32,
+    length: f32,
+    // Length into the step at which the rule is first met, in two parts; more than the whole step
+    // until it is.
+    flip: f32,
+    flip_rest: f32,
+    // The bob that passes there.
+    passing: u32,
+    // Distance from the top that the watched bobs have kept.
+    clearance: f32,
+    // The bobs at the end of the whole step.
+    ends: array<Bob, 2>,
+    // The interval that is decided: its beginning, the bob's state there, and its end.
+    low: f32,
+    low_bob: Bob,
+    high: f32,
+{% if quartic %}
+    // The quartics of both bobs, and the trial after which a crossing is precise enough.
+    courses: array<array<f32, 5>, 2>,
+    most_trials_here: u32,
+{% endif %}
+}
+
+fn search_in(pixel: u32, whole: f32) -> Search {
+    var search = Search();
+    search.whole = whole;
+    search.length = whole;
+    search.flip = 2.0 * whole;
+    search.clearance = outcomes[pixel].clearance;
+    return search;
+}
+
+// Takes a pass of the bob that is examined, at `moment`, which is `rest` after the trial, if it is
+// the first one so far.
+fn with_pass(before: Search, now: Bob, moment: f32, rest: f32) -> Search {
+    var search = before;
+    if now.x < 0 && moment < search.flip + search.flip_rest {
+        search.flip = search.length;
+        search.flip_rest = rest;
+        search.passing = search.bob;
+    }
+    search.bob_done = true;
+    return search;
+}
+
+// The search with the next bob that may pass the top.
+fn at_next_bob(before: Search, begins: array<Bob, 2>) -> Search {
+    var search = before;
+    search.bob += select(1u, 0u, search.goal == WHOLE);
+    search.bob_done = false;
+    while search.bob < {{ bobs }}u {
+        let bob = search.bob;
+        search = examined(search, begins[bob]);
+        if {{ is_watched }}search.may_pass {
+            break;
+        }
+        let clearance = min(search.clearance, search.spared);
+        search.clearance = select(search.clearance, clearance, {{ is_watched }}true);
+        search.bob += 1u;
+    }
+{% if counts_passes %}
+    if search.bob == {{ bobs }}u && search.flip + search.flip_rest <= search.whole {
+        search.goal = TOP;
+        search.bob = search.passing;
+    }
+{% endif %}
+    return search;
+}
+
+// Length of the next trial as a number.
+fn length_of_trial(search: Search) -> Real {
+{% if counts_passes %}
+    let flip = search.flip;
+    let flip_rest = search.flip_rest;
+    return select(real(search.length), {{ flip_length }}, search.goal == TOP);
+{% else %}
+    return real(search.length);
+{% endif %}
+}
+
+// The moment of the first pass in a step from `now`, in two parts.
+fn moment_of(search: Search, now: State) -> vec2<f32> {
+    let flip = search.flip;
+    let flip_rest = search.flip_rest;
+    let time = now.time;
+{% if compensated %}
+    let time_low = now.time_low;
+{% endif %}
+    return {{ moment }};
+}
+
 {% if counts_passes %}
 // Sine of the angle beyond the top at which a bob that has passed it is put.
 const BARELY = 1e-30;
-{% endif %}
 
-{% if quartic %}
-// The control points of a part of a quartic (de Casteljau).
-fn part_of(control: array<f32, 5>, low: f32, high: f32) -> array<f32, 5> {
-    var points = control;
-    // Up to `high` …
-    for (var k = 1; k < 5; k++) {
-        for (var j = 4; j >= k; j--) {
-            points[j] = mix(points[j - 1], points[j], high);
-        }
+// The pendulum at a pass that does not end its motion, barely beyond the top (counterpart: `look` in
+// crates/engine/src/cpu/adaptive.rs).
+fn beyond_top(state: State, search: Search, anticlockwise: bool) -> State {
+    var now = state;
+    let beyond = real(select(BARELY, -BARELY, anticlockwise));
+{% for bob in watched %}
+    if search.passing == {{ loop.index0 }}u {
+        now.y{{ bob }} = beyond;
+{% if compensated %}
+        now.y{{ bob }}_low = real(0.0);
+{% endif %}
     }
-    // … and from `low` on.
-    let share = low / high;
-    for (var k = 1; k < 5; k++) {
-        for (var j = 0; j < 5 - k; j++) {
-            points[j] = mix(points[j], points[j + 1], share);
-        }
-    }
-    return points;
+{% endfor %}
+    return now;
 }
 
-// The first place in (0, 1] at which a quartic is no longer on the side of zero that it begins on;
-// 2 if there is none (counterpart: `polynomial::course`).
-fn first_change(control: array<f32, 5>) -> f32 {
-    var begin = control[0];
-    for (var k = 1; begin == 0 && k < 5; k++) {
-        begin = control[k];
-    }
-    var low = 0.0;
-    var span = 1.0;
-    for (var parts = 0; parts < 200; parts++) {
-        let points = part_of(control, low, low + span);
-        var least = FAR;
-        var falls = true;
-        for (var k = 1; k < 5; k++) {
-            least = min(least, inward(points[k], begin));
-            falls = falls && inward(points[k] - points[k - 1], begin) < 0;
-        }
-        let stays = least > 0;
-        let beyond = inward(points[4], begin) < 0;
-        if !stays && span > 1e-6 && !(falls && span < 0.02) {
-            span *= 0.5;
-            continue;
-        }
-        if !stays && beyond {
-            return low + span * points[0] / (points[0] - points[4]);
-        }
-        low += span;
-        if low >= 1.0 {
-            break;
-        }
-        span = min(2.0 * span, 1.0 - low);
-    }
-    return 2.0;
+// Height to which a bob at the top would rise beyond it if its acceleration turned it round.
+fn height_beyond(search: Search, begin: Bob, top: Bob) -> f32 {
+    let pull = abs(search.ends[search.passing].w - begin.w) / search.whole;
+    return top.w * top.w / (2.0 * max(pull, 1e-30));
 }
-{% endif %}
 
+{% endif %}
 @compute @workgroup_size(WORKGROUP)
 fn look(@builtin(global_invocation_id) id: vec3<u32>) {
-{% include "suspect.wgsl" %}
-    let zero = job.zero;
-{% include "general.wgsl" %}
-    let whole = rough(h);
-    var length = whole;
-    var goal = WHOLE;
-    // The state at the end of the whole step.
-{% for name in state %}
-    var {{ name }}_after = {{ name }};
-{% endfor %}
-    var ends = array<Bob, 2>();
-{% if counts_passes %}
+    let pixel = pixel_at(SUSPECTS, id.x);
+    if pixel == NO_PIXEL {
+        return;
+    }
+    let now = state_of(pixel);
+    var search = search_in(pixel, rough(now.h));
+    // The state at the end of the whole step, or at a pass.
+    var after = now;
     var begins = array<Bob, 2>();
-    // The bob that passes the top first, and its state there.
-    var passing = 0u;
-    var top = Bob();
-{% endif %}
-{% if quartic %}
-    var courses = array<array<f32, 5>, 2>();
-    var most_trials_here = 0u;
-{% endif %}
-    // The bob that is examined, and the interval that is decided: its beginning, the bob's state
-    // there, and its end.
-    var bob = 0u;
-    var low = 0.0;
-    var low_bob = Bob();
-    var high = whole;
-    // Length into the step at which the rule is first met, in two parts; more than the whole step
-    // until it is.
-    var flip = 2.0 * whole;
-    var flip_rest = 0.0;
-    var clearance = outcomes[pixel].clearance;
-    var trials = 0u;
-    while bob < {{ bobs }}u && trials < MAX_TRIALS {
-        trials += 1u;
-{% if counts_passes %}
-        let step = select(real(length), {{ flip_length }}, goal == TOP);
-{% else %}
-        let step = real(length);
-{% endif %}
-{{ maths.step }}
-        let befores = array<Bob, 2>({{ befores }});
-        let nows = array<Bob, 2>({{ nows }});
-        let now = nows[bob];
-        var bob_done = false;
-{% if counts_passes %}
-        if goal == TOP {
-{% for name in moving %}
-            {{ name }}_after = {{ name }}_next;
-{% endfor %}
-            h_after = h;
-            top = now;
+    var nows = array<Bob, 2>();
+    while search.bob < {{ bobs }}u && search.trials < MAX_TRIALS {
+        search.trials += 1u;
+        let step = step_from(now, length_of_trial(search));
+        begins = bobs_before(now, step);
+        nows = bobs_after(step);
+        if search.goal == TOP {
+            after = step.next;
             break;
         }
-{% endif %}
-        if goal == WHOLE {
-{% for name in moving %}
-            {{ name }}_after = {{ name }}_next;
-{% endfor %}
-            h_after = real(next_length(whole, excess_of(rough(error_squared), rough(time))));
-            ends = nows;
-{% if counts_passes %}
-            begins = befores;
-{% endif %}
-{% if quartic %}
-            let bows = array<f32, 2>({{ bows | join(", ") }});
-            for (var k = 0u; k < {{ bobs }}u; k++) {
-                courses[k] = control_points(befores[k], nows[k], bows[k], whole);
-            }
+        if search.goal == WHOLE {
+            after = step.next;
+            after.h = real(next_length(
+                search.whole, excess_of(rough(step.error_squared), rough(now.time))));
+            search = with_whole(search, begins, nows, array<f32, 2>({{ bows | join(", ") }}));
         } else {
-            // Near the quartic's crossing, steps that end there give the exact moment.
-            let newton = -now.y / (now.w * now.x);
-            let near = abs(newton) < 0.1 * whole;
-            let better = length + select(0.0, newton, near);
-            if !near || abs(newton) < 1e-5 * whole || trials >= most_trials_here {
-                if now.x < 0 && better < flip + flip_rest {
-                    flip = length;
-                    flip_rest = better - length;
-{% if counts_passes %}
-                    passing = bob;
-{% endif %}
-                }
-                bob_done = true;
-            }
-            length = clamp(better, 0.0, whole);
+            search = decided(search, nows[search.bob]);
         }
-{% else %}
-        } else if goal == PART {
-            let span = length - low;
-            let part = approach(low_bob, now, span);
-            let plain = part.crosses || part.clearance > 0;
-            if !plain && span > 1e-6 * whole {
-                length = low + 0.5 * span;
-            } else if part.crosses || (!plain && crosses(low_bob, now)) {
-                goal = CROSS;
-                high = length;
-                length = low + span * low_bob.y / (low_bob.y - now.y);
-            } else {
-                clearance = min(clearance, select(abs(now.y), part.clearance, plain));
-                bob_done = length >= whole;
-                low = length;
-                low_bob = now;
-                length = min(low + 2.0 * span, whole);
-            }
-        } else {
-            let newton = -now.y / (now.w * now.x);
-            if crosses(low_bob, now) {
-                high = length;
-            } else {
-                low = length;
-            }
-            let inside = length + newton >= low && length + newton <= high;
-            if (inside && abs(newton) < 1e-5 * whole) || high - low < 1e-6 * whole {
-                let rest = select(0.0, newton, inside);
-                if now.x < 0 && length + rest < flip + flip_rest {
-                    flip = length;
-                    flip_rest = rest;
-{% if counts_passes %}
-                    passing = bob;
-{% endif %}
-                }
-                bob_done = true;
-            }
-            length = select(0.5 * (low + high), length + newton, inside);
-        }
-{% endif %}
-        // Moves to the next bob, or to the first one after the whole step, and finds out what has
-        // to be decided.
-        if goal == WHOLE || bob_done {
-            bob += select(1u, 0u, goal == WHOLE);
-            while bob < {{ bobs }}u {
-{% if quartic %}
-                goal = CROSS;
-                let change = first_change(courses[bob]);
-                let x = mix(befores[bob].x, ends[bob].x, change);
-                length = whole * change;
-                most_trials_here = trials + 4u;
-                if {{ is_watched }}change <= 1.0 && x < 0 {
-                    break;
-                }
-{% else %}
-                let part = approach(befores[bob], ends[bob], whole);
-                low = 0.0;
-                low_bob = befores[bob];
-                high = whole;
-                goal = select(PART, CROSS, part.crosses);
-                let guess = whole * low_bob.y / (low_bob.y - ends[bob].y);
-                length = select(0.5 * whole, guess, part.crosses);
-                if {{ is_watched }}part.clearance <= 0 {
-                    break;
-                }
-                clearance = select(clearance, min(clearance, part.clearance), {{ is_watched }}true);
-{% endif %}
-                bob += 1u;
-            }
-{% if counts_passes %}
-            if bob == {{ bobs }}u && flip + flip_rest <= whole {
-                goal = TOP;
-                bob = passing;
-            }
-{% endif %}
+        if search.goal == WHOLE || search.bob_done {
+            search = at_next_bob(search, begins);
         }
     }
     outcomes[pixel].steps += 1u;
 {% if counts_passes %}
-{% include "passes.wgsl" %}
+    var flipped = search.goal == TOP && rough(after.time) > job.budget;
+    if search.goal == TOP && !flipped {
+        let top = nows[search.passing];
+        let begin = begins[search.passing];
+        let anticlockwise = select(begin.y > 0, top.w > 0, begin.y == 0);
+        let bobs = array<u32, 2>({{ numbers | join(", ") }});
+        flipped = count_pass(pixel, bobs[search.passing], anticlockwise);
+        after = beyond_top(after, search, anticlockwise);
+        search.clearance = min(search.clearance, height_beyond(search, begin, top));
+    }
 {% else %}
-    let flipped = flip + flip_rest <= whole;
+    let flipped = search.flip + search.flip_rest <= search.whole;
 {% endif %}
-    outcomes[pixel].clearance = clearance;
-    outcomes[pixel].status += trials * LOOK;
+    outcomes[pixel].clearance = search.clearance;
+    outcomes[pixel].status += search.trials * LOOK;
     if flipped {
-        outcomes[pixel].moment = {{ moment }};
+        outcomes[pixel].moment = moment_of(search, now);
     } else {
-{% for name in state %}
-        states[{{ loop.index0 }}u * job.count + pixel] = {{ name }}_after;
-{% endfor %}
+        keep_state(pixel, after);
     }
-    let sound = outcomes[pixel].steps < job.most_steps;
-    let over = !sound || !(rough(time_after) < job.budget);
-    if flipped {
-        end(pixel, ANSWERED);
-    } else if over {
-        end(pixel, select(FAILED, UNFLIPPED, sound));
-    }
-    put_on(1u - queue.turn, pixel, !flipped && !over);
+    end_step(pixel, flipped, outcomes[pixel].steps < job.most_steps, after.time);
 }

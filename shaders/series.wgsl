@@ -3,9 +3,6 @@
 // `advance` stops before a step in which the top may be reached, and `look` decides it on the
 // polynomials.
 
-// Clearance of a bob that is below its pivot.
-const FAR = {{ far }};
-
 fn larger(a: Real, b: Real) -> Real {
     return select(b, a, a > b);
 }
@@ -32,41 +29,55 @@ fn clearance_of(lowest: Real, nearest: Real, steady: Real, before: Real, after: 
     return select(rough(nearest), max(rough(nearest), ends), one_way);
 }
 
-{% if counts_turns %}
-{% include "turns.wgsl" %}
-{% endif %}
+// Distance from the top that the watched bobs keep over a step.
+fn clearance_in_step(now: State, step: Step) -> f32 {
+    var near = FAR;
+{% for bob in watched %}
+    {% if general %}if (job.watched & {{ bob }}u) != 0u {{ '{' }}{% endif %}
+
+    near = min(near, clearance_of(
+        step.lowest{{ bob }}, step.nearest{{ bob }}, step.steady{{ bob }}, now.y{{ bob }}, step.next.y{{ bob }}));
+    {% if general %}{{ '}' }}{% endif %}
+
+{% endfor %}
+    return near;
+}
+
+fn is_sound(now: State) -> bool {
+    return finite(now.x1 + now.p1 + now.p2);
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
-{% include "running.wgsl" %}
-{% include "general.wgsl" %}
-{% include "slice.wgsl" %}
-    while !suspect && steps < stop && rough(time) < budget {
-{{ maths.step }}
-        var near = FAR;
-{% for bob in watched %}
-        {% if general %}if (job.watched & {{ bob }}u) != 0u {{ '{' }}{% endif %}
-
-        near = min(near, clearance_of(
-            lowest{{ bob }}, nearest{{ bob }}, steady{{ bob }}, y{{ bob }}, y{{ bob }}_next));
-        {% if general %}{{ '}' }}{% endif %}
-
-{% endfor %}
+    let pixel = pixel_at(queue.turn, id.x);
+    if pixel == NO_PIXEL {
+        return;
+    }
+    var now = state_of(pixel);
+    var steps = outcomes[pixel].steps;
+    let stop = min(steps + job.slice_steps, job.most_steps);
+    let budget = job.budget;
+    var clearance = outcomes[pixel].clearance;
+    var suspect = false;
+{% if counts_turns %}
+    var turns = turns_of(pixel);
+{% endif %}
+    while !suspect && steps < stop && rough(now.time) < budget {
+        let step = step_from(now, now.h);
+        let near = clearance_in_step(now, step);
         suspect = near <= 0;
 {% if counts_turns %}
-        turns += vec2<i32>(
-            turns_between(rough(x1), rough(y1), rough(x1_next), rough(y1_next)),
-            turns_between(rough(x2), rough(y2), rough(x2_next), rough(y2_next)),
-        );
+        turns += turns_in_step(now, step.next);
 {% endif %}
-{% for name in moving %}
-        {{ name }} = select({{ name }}_next, {{ name }}, suspect);
-{% endfor %}
+        now = chosen(suspect, now, step.next);
         clearance = select(min(clearance, near), clearance, suspect);
         steps += select(1u, 0u, suspect);
-        if !finite(x1 + p1 + p2) {
+        if !is_sound(now) {
             steps = job.most_steps;
         }
     }
-{% include "stop.wgsl" %}
+{% if counts_turns %}
+    keep_turns(pixel, turns);
+{% endif %}
+    end_slice(pixel, now, steps, clearance, suspect);
 }
-

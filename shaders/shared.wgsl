@@ -57,15 +57,60 @@ const WORKGROUP = 64u;
 @group(0) @binding(3) var<storage, read_write> lists: array<u32>;
 @group(0) @binding(4) var<storage, read_write> queue: Queue;
 
+// The job's zero.
+var<private> zero: u32;
+{% if general %}
+// The pendulum as data; a kernel made for one scene has it in its text instead.
+struct Scene {
+    a: Real,
+    b: Real,
+    p: Real,
+    least_det: Real,
+{% if adaptive %}
+    inverse_scale1: Real,
+    inverse_scale2: Real,
+{% endif %}
+}
+var<private> scene: Scene;
+{% endif %}
+
+// Reads what steps need from the job.
+fn read_job() {
+    zero = job.zero;
+{% if general %}
+    scene.a = from_parts(job.a);
+    scene.b = from_parts(job.b);
+    scene.p = from_parts(job.p);
+    scene.least_det = from_parts(job.least_det);
+{% if adaptive %}
+    scene.inverse_scale1 = real(job.inverse_scale.x);
+    scene.inverse_scale2 = real(job.inverse_scale.y);
+{% endif %}
+{% endif %}
+}
+
+const NO_PIXEL = 0xffffffffu;
+
+// The pendulum at a place of a list, for which the job is read; none beyond the list's end.
+fn pixel_at(list: u32, place: u32) -> u32 {
+    if place >= atomicLoad(&queue.lengths[list]) {
+        return NO_PIXEL;
+    }
+    read_job();
+    return lists[list * job.count + place];
+}
+
 {% if counts_passes %}
 // Number of passes of the top after which a pendulum is done.
 const PASSES = {{ passes }}u;
 // Largest number of passes in one step.
 const MAX_PASSES = 8u;
 
-fn passes_of(pixel: u32) -> u32 {
+// Counts a pass of the top by a bob, and returns true if that was the last one that is wanted.
+fn count_pass(pixel: u32, bob: u32, anticlockwise: bool) -> bool {
+    outcomes[pixel].passes[2u * bob - select(1u, 2u, anticlockwise)] += 1u;
     let passes = outcomes[pixel].passes;
-    return passes[0] + passes[1] + passes[2] + passes[3];
+    return passes[0] + passes[1] + passes[2] + passes[3] >= PASSES;
 }
 
 {% endif %}

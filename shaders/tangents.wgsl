@@ -6,51 +6,55 @@ const LARGE = {{ large }};
 const SMALLER = {{ smaller }};
 const LOG_LARGE = {{ log_large }};
 
+// A pendulum whose slopes are small again, by a power of two that its logarithm remembers.
+fn kept_small(state: State) -> State {
+    var now = state;
+    var most = 0.0;
+{% for name in slopes %}
+    most = max(most, abs(rough(now.{{ name }})));
+{% endfor %}
+    if most > LARGE {
+{% for name in slopes %}
+        now.{{ name }} = scaled(now.{{ name }}, SMALLER);
+{% endfor %}
+        now.log_scale = sum_of(now.log_scale, real(LOG_LARGE), zero);
+    }
+    return now;
+}
+
 @compute @workgroup_size(WORKGROUP)
 fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
-{% include "running.wgsl" %}
-    let zero = job.zero;
+    let pixel = pixel_at(queue.turn, id.x);
+    if pixel == NO_PIXEL {
+        return;
+    }
+    var now = state_of(pixel);
     var steps = outcomes[pixel].steps;
-    // The last fixed step may be cut in two by rounding, and f32 rounds long times.
-    let most_steps = job.most_steps + 2u + job.most_steps / 256u;
+    let most_steps = most_steps_to_end();
 {% if not adaptive %}
-    let begun = begun_before_steps(time, steps, h, zero);
+    let begun = begun_before_steps(now.time, steps, now.h, zero);
 {% endif %}
     let stop = min(steps + job.slice_steps, most_steps);
-    while steps < stop && rough(time) < job.budget {
-        let step = length_within(h, time, zero);
-{{ maths.step }}
+    while steps < stop && rough(now.time) < job.budget {
+        let length = length_within(now.h, now.time, zero);
+        let step = step_from(now, length);
 {% if adaptive %}
-        let excess = excess_of(rough(error_squared), rough(time));
-        let taken = excess < 0;
-        h = real(next_length(rough(step), excess));
+        let excess = excess_of(rough(step.error_squared), rough(now.time));
+        now = chosen(excess < 0, step.next, now);
+        now.h = real(next_length(rough(length), excess));
 {% else %}
-        let taken = true;
+        now = step.next;
 {% endif %}
-{% for name in moving %}
-        {{ name }} = select({{ name }}, {{ name }}_next, taken);
-{% endfor %}
-        var most = 0.0;
-{% for name in slopes %}
-        most = max(most, abs(rough({{ name }})));
-{% endfor %}
-        if most > LARGE {
-{% for name in slopes %}
-            {{ name }} = scaled({{ name }}, SMALLER);
-{% endfor %}
-            log_scale = sum_of(log_scale, real(LOG_LARGE), zero);
-        }
+        now = kept_small(now);
         steps += 1u;
 {% if not adaptive %}
-        time = select(time, time_after_steps(begun, steps, h), step == h);
+        now.time = select(now.time, time_after_steps(begun, steps, now.h), length == now.h);
 {% endif %}
     }
-{% for name in state %}
-    states[{{ loop.index0 }}u * job.count + pixel] = {{ name }};
-{% endfor %}
+    keep_state(pixel, now);
     outcomes[pixel].steps = steps;
-    let over = rough(time) >= job.budget;
-    let sound = finite(x1) && (over || steps < most_steps);
+    let over = rough(now.time) >= job.budget;
+    let sound = finite(now.x1) && (over || steps < most_steps);
     if !sound || over {
         end(pixel, select(FAILED, UNFLIPPED, sound));
     }

@@ -17,7 +17,7 @@ use super::maths;
 use super::packing::Packing;
 use crate::adapters::Pairs;
 use crate::gpu::shared::status_constants;
-use crate::integrator_state::{LOG_SCALE, SEARCH, STARTS, carried_names};
+use crate::integrator_state::carried_names;
 use crate::pace::Pace;
 use crate::slowed::least_energy;
 use crate::start::{ANGLES, PHASE};
@@ -167,33 +167,45 @@ impl Design {
     /// The whole text of the kernel.
     pub fn text(&self) -> String {
         let number = number_file(self.precision);
-        let mut maths = BTreeMap::from([("step".to_string(), self.step())]);
+        let step = self.step();
+        let mut maths = BTreeMap::from([("step".to_string(), step.text)]);
         if self.least_energy().is_some() {
             maths.insert("energy".to_string(), self.energy());
         }
         if self.ends.are_carried() {
             let file = if self.ends.are_extremes() { "extremum.wgsl" } else { "tangents.wgsl" };
-            let files = ["shared.wgsl", number, "carried.wgsl", "control.wgsl", file, "turn.wgsl"];
-            return glue(&files, &self.values(maths, String::new()));
+            let files = [
+                "shared.wgsl",
+                number,
+                "state.wgsl",
+                "carried.wgsl",
+                "control.wgsl",
+                file,
+                "turn.wgsl",
+            ];
+            return glue(&files, &self.values(maths, &step.results));
         }
         if self.is_adaptive() {
-            let steps = match self.scheme {
-                Scheme::Series => ["series.wgsl", "course.wgsl", "series_look.wgsl"],
+            let steps: &[&str] = match self.scheme {
+                Scheme::Series => &["series.wgsl", "course.wgsl", "series_look.wgsl"],
+                Scheme::Embedded(_) | Scheme::Fixed(_) if self.has_bow() => {
+                    &["control.wgsl", "adaptive.wgsl", "look_on_quartic.wgsl", "look.wgsl"]
+                }
                 Scheme::Embedded(_) | Scheme::Fixed(_) => {
-                    ["control.wgsl", "adaptive.wgsl", "look.wgsl"]
+                    &["control.wgsl", "adaptive.wgsl", "look_by_trials.wgsl", "look.wgsl"]
                 }
             };
-            let files = [&["shared.wgsl", number], &steps[..], &["begin.wgsl", "turn.wgsl"]];
-            return glue(&files.concat(), &self.values(maths, String::new()));
+            let first = ["shared.wgsl", number, "state.wgsl", "phase.wgsl"];
+            let files = [&first[..], steps, &["begin.wgsl", "turn.wgsl"]];
+            return glue(&files.concat(), &self.values(maths, &step.results));
         }
         for bob in self.watched() {
             maths.insert(format!("bob{bob}"), self.quintic_of(bob));
         }
-        let values = self.values(maths, self.may_pass());
+        let values = self.values(maths, &step.results);
         let look = if self.counts_passes() { "fixed_passes.wgsl" } else { "fixed_look.wgsl" };
-        let files =
-            ["shared.wgsl", number, "flip.wgsl", "fixed.wgsl", look, "begin.wgsl", "turn.wgsl"];
-        glue(&files, &values)
+        let first = ["shared.wgsl", number, "state.wgsl", "flip.wgsl", "fixed.wgsl"];
+        glue(&[&first[..], &[look, "begin.wgsl", "turn.wgsl"]].concat(), &values)
     }
 
     /// The energy below which a pendulum is done early, where there is such a bound.
@@ -202,7 +214,8 @@ impl Design {
         least_energy(&pendulum, rule).filter(|_| !self.ends.are_carried())
     }
 
-    fn values(&self, maths: BTreeMap<String, String>, may_pass: String) -> Values {
+    /// The values of the text; `results` are the names of what a step computes.
+    fn values(&self, maths: BTreeMap<String, String>, results: &[String]) -> Values {
         let order = match self.scheme {
             Scheme::Embedded(pair) => pair.data().order,
             // These schemes have no step size control.
@@ -210,15 +223,10 @@ impl Design {
         };
         // The tolerance is data; the values read here do not depend on it.
         let control = Control::new(1.0, order);
-        let bobs = |suffix: &str| {
-            let one = |bob: &usize| {
-                let part = |name: char| format!("rough({name}{bob}{suffix})");
-                format!("Bob({}, {}, {})", part('x'), part('y'), part('w'))
-            };
-            let mut bobs: Vec<String> = self.watched().iter().map(one).collect();
-            bobs.resize(2, "Bob(1.0, 0.0, 0.0)".to_string());
-            bobs.join(", ")
-        };
+        let moves = |name: &&str| results.contains(&format!("{name}_next"));
+        let moving: Vec<&str> = self.state().into_iter().filter(moves).collect();
+        let ends: Vec<String> = moving.iter().map(|name| format!("{name}_next")).collect();
+        let judged = results.iter().filter(|name| !ends.contains(name)).cloned().collect();
         let number = |value: f64| format!("{value:?}");
         Values {
             general: self.scene.is_none(),
@@ -226,15 +234,16 @@ impl Design {
             compensated: self.compensated,
             doubles: self.precision == Precision::F64,
             subgroups: self.subgroups,
-            moving: self.moving(),
+            moving,
+            judged,
             pairs: PairValues::new(self.precision, self.pairs),
             carried: CarriedValues::new(self.ends),
             state: self.state(),
             watched: self.watched(),
             bobs: self.watched().len(),
             counts: self.counts(),
-            befores: bobs(""),
-            nows: bobs("_next"),
+            befores: self.bobs("now", ""),
+            nows: self.bobs("step.next", "_next"),
             is_watched: match self.scene {
                 Some(_) => "",
                 None => "(job.watched & (1u << bob)) != 0u && ",
@@ -254,11 +263,21 @@ impl Design {
             bows: self.bows(),
             maths,
             texts: TextValues {
-                may_pass,
                 statuses: status_constants(),
                 least_energy: self.least_energy().map(number),
             },
         }
+    }
+
+    /// The watched bobs in a state, filled up to two; `suffix` ends the names of their speeds.
+    fn bobs(&self, state: &str, suffix: &str) -> String {
+        let one = |bob: &usize| {
+            let part = |name: char| format!("rough({state}.{name}{bob})");
+            format!("Bob({}, {}, rough(step.w{bob}{suffix}))", part('x'), part('y'))
+        };
+        let mut bobs: Vec<String> = self.watched().iter().map(one).collect();
+        bobs.resize(2, "Bob(1.0, 0.0, 0.0)".to_string());
+        bobs.join(", ")
     }
 
     fn counts(&self) -> CountValues {
@@ -275,12 +294,6 @@ impl Design {
         }
     }
 
-    /// Names of the variables that a step changes if it is taken.
-    fn moving(&self) -> Vec<&'static str> {
-        let fixed = [&["h", LOG_SCALE][..], &STARTS, &SEARCH].concat();
-        self.state().into_iter().filter(|name| !fixed.contains(name)).collect()
-    }
-
     /// Returns true if the scheme provides how a path bends between the ends of a step.
     pub(super) fn has_bow(&self) -> bool {
         matches!(self.scheme, Scheme::Embedded(pair) if pair.data().has_bow)
@@ -289,7 +302,7 @@ impl Design {
     /// Expressions for how the watched bobs' paths bend between the ends of a step, where the scheme
     /// provides it.
     fn bows(&self) -> Vec<String> {
-        let bow = |bob: &usize| format!("rough(bow{bob})");
+        let bow = |bob: &usize| format!("rough(step.bow{bob})");
         let known = self.watched();
         let mut bows: Vec<String> =
             if self.has_bow() { known.iter().map(bow).collect() } else { Vec::new() };

@@ -3,7 +3,7 @@
 mod series;
 
 use super::kernel::{Design, Scheme};
-use crate::gpu::symbol::{Dialect, Symbol, literal, variable, write_maths};
+use crate::gpu::symbol::{Dialect, Maths, Symbol, literal, variable, write_maths};
 use crate::integrator_state::{SLOPES, STARTS};
 use crate::start::PHASE;
 use crate::{Precision, WantedEnds};
@@ -17,7 +17,7 @@ use flipmap_pendulum::phase::{Phase, rk4};
 use flipmap_pendulum::tangents::Tangents;
 use flipmap_pendulum::{Pendulum, State, integrator};
 
-const INDENT: &str = "        ";
+const INDENT: &str = "    ";
 
 impl Design {
     fn dialect(&self) -> Dialect {
@@ -28,14 +28,14 @@ impl Design {
         match self.scene {
             Some((pendulum, _)) => pendulum.map(literal),
             None => Pendulum {
-                a: variable("a"),
-                b: variable("b"),
+                a: variable("scene.a"),
+                b: variable("scene.b"),
                 c: literal(1.0),
-                p: variable("p"),
+                p: variable("scene.p"),
                 q: literal(1.0),
-                least_det: variable("least_det"),
+                least_det: variable("scene.least_det"),
                 friction: None,
-                lengths: ["length1", "length2"].map(variable),
+                lengths: ["scene.length1", "scene.length2"].map(variable),
             },
         }
     }
@@ -43,13 +43,13 @@ impl Design {
     fn inverse_scale(&self) -> [Symbol; 2] {
         match self.scene {
             Some((pendulum, _)) => pendulum.momentum_scale().map(|scale| literal(1.0 / scale)),
-            None => ["inverse_scale1", "inverse_scale2"].map(variable),
+            None => ["scene.inverse_scale1", "scene.inverse_scale2"].map(variable),
         }
     }
 
     /// One step: the `_next` value of every state variable that moves, and the quantities by which
     /// the step is judged.
-    pub(crate) fn step(&self) -> String {
+    pub(crate) fn step(&self) -> Maths {
         match self.ends {
             WantedEnds::Growth => return self.tangent_step(),
             WantedEnds::Extremum(extremum) => return self.extremum_step(extremum),
@@ -62,7 +62,7 @@ impl Design {
         }
     }
 
-    fn fixed_step(&self, turning: Turning) -> String {
+    fn fixed_step(&self, turning: Turning) -> Maths {
         write_maths(self.dialect(), || {
             let before = state(["t1", "t2", "w1", "w2"]);
             let change = integrator::rk4(&self.pendulum(), &before, variable("step"), turning);
@@ -78,7 +78,7 @@ impl Design {
         })
     }
 
-    fn adaptive_step(&self, pair: Pair) -> String {
+    fn adaptive_step(&self, pair: Pair) -> Maths {
         const NAMES: Phase<&str> = ["x1", "y1", "x2", "y2", "p1", "p2"];
         const LOWS: Phase<&str> = ["x1_low", "y1_low", "x2_low", "y2_low", "p1_low", "p2_low"];
         write_maths(self.dialect(), || {
@@ -119,7 +119,7 @@ impl Design {
         })
     }
 
-    fn tangent_step(&self) -> String {
+    fn tangent_step(&self) -> Maths {
         write_maths(self.dialect(), || {
             let pendulum = self.pendulum().map(Dual::<4, Symbol>::new);
             let scale = self.inverse_scale().map(Dual::new);
@@ -150,7 +150,7 @@ impl Design {
 
     /// A step with the rates of change of a quantity whose extreme is looked for at both ends, and
     /// the square of the quantity at its end.
-    fn extremum_step(&self, extremum: Extremum) -> String {
+    fn extremum_step(&self, extremum: Extremum) -> Maths {
         write_maths(self.dialect(), || {
             let (pendulum, scale) = (self.pendulum(), self.inverse_scale());
             let before: Phase<Symbol> = std::array::from_fn(|i| variable(PHASE[i]));
@@ -176,34 +176,17 @@ impl Design {
         })
     }
 
-    /// Condition under which a watched bob may have been at the top (counterpart:
-    /// `flip::may_pass`).
-    pub(crate) fn may_pass(&self) -> String {
-        let one = |bob: &usize| {
-            let (t, w) = (format!("t{bob}"), format!("w{bob}"));
-            let turned = format!("({w} * {w}_next < 0)");
-            let far = format!("max(abs({t}), abs({t}_next))");
-            let travel = format!("step * max(abs({w}), abs({w}_next))");
-            let pass = format!("(abs({t}_next) >= PI) || ({turned} && ({far} + {travel} >= PI))");
-            match self.scene {
-                Some(_) => pass,
-                None => format!("((job.watched & {bob}u) != 0u && ({pass}))"),
-            }
-        };
-        let passes: Vec<String> = self.watched().iter().map(one).collect();
-        if passes.is_empty() { "false".to_string() } else { passes.join(" || ") }
-    }
-
     /// The energy of a pendulum, from its state at the end of a slice of steps.
     pub(crate) fn energy(&self) -> String {
-        write_maths(Dialect { indent: "    ", ..self.dialect() }, || {
+        let maths = write_maths(self.dialect(), || {
             let energy = if self.is_adaptive() {
                 self.pendulum().energy_of(&std::array::from_fn(|i| variable(PHASE[i])))
             } else {
-                self.pendulum().energy(&state(["t1_kept", "t2_kept", "w1_kept", "w2_kept"]))
+                self.pendulum().energy(&state(["t1", "t2", "w1", "w2"]))
             };
             vec![("energy".to_string(), energy)]
-        })
+        });
+        maths.text
     }
 
     /// The coefficients of the quintic of a bob's angle beyond the top over the step (see
@@ -213,7 +196,7 @@ impl Design {
             ["t1", "t2", "w1", "w2", "t1_low", "t2_low"],
             ["t1_next", "t2_next", "w1_next", "w2_next", "t1_low_next", "t2_low_next"],
         ];
-        write_maths(self.dialect(), || {
+        let maths = write_maths(self.dialect(), || {
             let (side, step) = (variable("side"), variable("step"));
             let ends = ENDS.map(|[t1, t2, w1, w2, t1_low, t2_low]| {
                 let end = state([t1, t2, w1, w2]);
@@ -229,7 +212,8 @@ impl Design {
             });
             let coefficients = quintic_hermite(ends[0], ends[1]);
             (0..6).map(|k| format!("c{k}")).zip(coefficients).collect()
-        })
+        });
+        maths.text
     }
 }
 
@@ -245,7 +229,7 @@ fn state(names: [&'static str; 4]) -> State<Symbol> {
 
 /// The self-check's results for one number type.
 pub(super) fn selfcheck(precision: Precision) -> String {
-    write_maths(Dialect { precision, indent: "    " }, || {
+    let maths = write_maths(Dialect { precision, indent: INDENT }, || {
         let (a, b) = (variable("a"), variable("b"));
         let (sum, error) = match precision {
             Precision::F32 => a.fast_two_sum(b),
@@ -260,5 +244,6 @@ pub(super) fn selfcheck(precision: Precision) -> String {
             results.extend([("sin", sin), ("cos", cos)]);
         }
         results.into_iter().map(|(name, value)| (name.to_string(), value)).collect()
-    })
+    });
+    maths.text
 }

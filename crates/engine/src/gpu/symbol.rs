@@ -86,20 +86,24 @@ thread_local! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Symbol(u32);
 
-/// Runs `maths` on symbols and returns shader text that computes its named results: one `let` for
-/// each operation, then one for each result. `maths` makes its inputs with [`variable`] and
-/// [`literal`].
+/// Shader text that computes results, one `let` for each operation and each result, and their names.
+pub(crate) struct Maths {
+    pub text: String,
+    pub results: Vec<String>,
+}
+
+/// Runs `maths` on symbols, whose inputs it makes with [`variable`] and [`literal`].
 pub(crate) fn write_maths(
     dialect: Dialect,
     maths: impl FnOnce() -> Vec<(String, Symbol)>,
-) -> String {
+) -> Maths {
     TAPE.with_borrow_mut(|tape| {
         assert!(tape.is_none(), "symbols of two kernels must not mix");
         *tape = Some(Tape { dialect, nodes: Vec::new(), known: HashMap::new() });
     });
     let results = maths();
-    let tape = TAPE.take().expect("set above");
-    tape.print(&results)
+    let text = TAPE.take().expect("set above").print(&results);
+    Maths { text, results: results.into_iter().map(|(name, _)| name).collect() }
 }
 
 /// The shader variable `name`.
@@ -398,7 +402,7 @@ mod tests {
 
     fn written(maths: impl FnOnce() -> Symbol) -> String {
         let dialect = Dialect { precision: Precision::F32, indent: "" };
-        write_maths(dialect, || vec![("result".to_string(), maths())])
+        write_maths(dialect, || vec![("result".to_string(), maths())]).text
     }
 
     #[test]
@@ -425,7 +429,7 @@ mod tests {
     #[test]
     fn pairs_multiply_and_add_at_once_unless_there_is_nothing_to_multiply() {
         let dialect = Dialect { precision: Precision::Df32, indent: "" };
-        let text = write_maths(dialect, || {
+        let maths = write_maths(dialect, || {
             let (x, y) = (variable("x"), variable("y"));
             let both = x.mul_add(y, y.mul_add(literal(1.0), x));
             vec![("both".to_string(), both), ("double".to_string(), both + x)]
@@ -433,13 +437,13 @@ mod tests {
         let sum =
             "let v3 = add(y, x, zero);\nlet v4 = normal(multiply_add(x, y, v3, zero), zero);\n";
         let results = "let both = v4;\nlet double = v5;\n";
-        assert_eq!(text, format!("{sum}let v5 = add(v4, x, zero);\n{results}"));
+        assert_eq!(maths.text, format!("{sum}let v5 = add(v4, x, zero);\n{results}"));
     }
 
     #[test]
     fn sums_of_products_of_pairs_are_made_normal_where_they_end() {
         let dialect = Dialect { precision: Precision::Df32, indent: "" };
-        let text = write_maths(dialect, || {
+        let maths = write_maths(dialect, || {
             let (x, y) = (variable("x"), variable("y"));
             let sum = x.mul_add(x, y.mul_add(y, x));
             vec![("square".to_string(), sum * sum)]
@@ -447,7 +451,7 @@ mod tests {
         let sums = "let v2 = multiply_add(y, y, x, zero);\n\
                     let v3 = normal(multiply_add(x, x, v2, zero), zero);\n";
         let square = "let v4 = multiply(v3, v3, zero);\nlet square = v4;\n";
-        assert_eq!(text, format!("{sums}{square}"));
+        assert_eq!(maths.text, format!("{sums}{square}"));
     }
 
     #[test]

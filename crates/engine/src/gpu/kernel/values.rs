@@ -19,7 +19,10 @@ pub(super) struct Values {
     pub(super) doubles: bool,
     pub(super) subgroups: bool,
     pub(super) state: Vec<&'static str>,
+    /// The numbers of the state that a step changes.
     pub(super) moving: Vec<&'static str>,
+    /// The other results of a step, by which it is judged.
+    pub(super) judged: Vec<String>,
     #[serde(flatten)]
     pub(super) pairs: PairValues,
     #[serde(flatten)]
@@ -44,7 +47,6 @@ pub(super) struct Values {
 /// Parts of the text of every kernel.
 #[derive(Serialize)]
 pub(super) struct TextValues {
-    pub(super) may_pass: String,
     pub(super) statuses: String,
     /// The energy below which a pendulum is done early, as a shader literal.
     pub(super) least_energy: Option<String>,

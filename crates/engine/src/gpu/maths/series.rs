@@ -1,7 +1,7 @@
 //! A Taylor step on symbols (counterpart: `cpu/taylor.rs`).
 
 use super::Design;
-use crate::gpu::symbol::{Symbol, call, literal, variable, write_maths};
+use crate::gpu::symbol::{Maths, Symbol, call, literal, variable, write_maths};
 use crate::start::PHASE;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
@@ -13,7 +13,7 @@ impl Design {
     /// The expansion at a state and the step that it allows: the step's length, the `_next` value
     /// of every state variable that moves, and for each watched bob its coefficients with bounds on
     /// where it goes within the step.
-    pub(super) fn series_step(&self) -> String {
+    pub(super) fn series_step(&self) -> Maths {
         write_maths(self.dialect(), || {
             let phase: Phase<Symbol> = std::array::from_fn(|i| variable(PHASE[i]));
             let series = MotionSeries::<Symbol, TERMS>::expand(&self.pendulum(), &phase);
