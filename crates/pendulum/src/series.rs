@@ -11,6 +11,7 @@ use flipmap_numbers::real::Real;
 /// The motion as power series in the time since the beginning of a step: `N` coefficients each,
 /// lowest order first.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub struct MotionSeries<T, const N: usize> {
     /// Series of x1, y1, x2, y2, p1 and p2.
     pub phase: [[T; N]; 6],
@@ -18,33 +19,39 @@ pub struct MotionSeries<T, const N: usize> {
     pub speed: [[T; N]; 2],
 }
 
+/// Numbers that begin a cache line: registers of SIMD lanes that lie across two of them take a fifth
+/// longer.
+#[repr(align(64))]
+struct Aligned<T>(T);
+
 impl<T: Real, const N: usize> MotionSeries<T, N> {
     /// Expands the motion through `phase`.
     #[inline(always)]
     pub fn expand(pendulum: &Pendulum<T>, phase: &Phase<T>) -> Self {
         let zero = phase[0].lit(0.0);
-        let mut z = [[zero; N]; 6];
+        let mut series = MotionSeries { phase: [[zero; N]; 6], speed: [[zero; N]; 2] };
+        let MotionSeries { phase: z, speed: w } = &mut series;
         for i in 0..6 {
             z[i][0] = phase[i];
         }
-        let mut w = [[zero; N]; 2];
-        let [mut cos, mut sin, mut det, mut both] = [[zero; N]; 4];
+        let mut inner = Aligned([[zero; N]; 4]);
+        let Aligned([cos, sin, det, both]) = &mut inner;
         let mut inverse_det = zero;
         for k in 0..N - 1 {
-            let [x1, y1, x2, y2, p1, p2] = &z;
+            let [x1, y1, x2, y2, p1, p2] = &*z;
             cos[k] = pendulum.c * (product(x1, x2, k) + product(y1, y2, k));
             sin[k] = pendulum.c * (product(y1, x2, k) - product(x1, y2, k));
-            det[k] = product(&sin, &sin, k);
+            det[k] = product(sin, sin, k);
             if k == 0 {
                 det[0] = det[0] + pendulum.least_det;
                 inverse_det = zero.lit(1.0) / det[0];
             }
-            let pull1 = pendulum.b * p1[k] - product(&cos, p2, k);
-            let pull2 = pendulum.a * p2[k] - product(&cos, p1, k);
-            w[0][k] = (pull1 - later_product(&det, &w[0], k)) * inverse_det;
-            w[1][k] = (pull2 - later_product(&det, &w[1], k)) * inverse_det;
+            let pull1 = pendulum.b * p1[k] - product(cos, p2, k);
+            let pull2 = pendulum.a * p2[k] - product(cos, p1, k);
+            w[0][k] = (pull1 - later_product(det, &w[0], k)) * inverse_det;
+            w[1][k] = (pull2 - later_product(det, &w[1], k)) * inverse_det;
             both[k] = product(&w[0], &w[1], k);
-            let drive = product(&sin, &both, k);
+            let drive = product(sin, both, k);
             // A division, because the literal 1/(k+1) would be accurate to f64 only.
             let over = zero.lit(1.0) / zero.lit((k + 1) as f64);
             let drag = pendulum.drag([w[0][k], w[1][k]]);
@@ -64,7 +71,7 @@ impl<T: Real, const N: usize> MotionSeries<T, N> {
                 z[5][k + 1] = z[5][k + 1] + second * over;
             }
         }
-        MotionSeries { phase: z, speed: w }
+        series
     }
 
     /// The change of the phase after `time`, without the initial phase itself.

@@ -5,9 +5,10 @@ use std::sync::atomic::AtomicBool;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use super::adaptive::PairSteps;
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::lanes::F64Lanes;
-use super::{CHUNK, adaptive};
+use super::{CHUNK, lane_loop};
 use crate::pace::{Adaptive, Pace};
 use crate::{
     EngineError, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, start,
@@ -55,6 +56,6 @@ impl<P: EmbeddedPair> WithSimd for OnLanes<'_, P> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
-        adaptive::run::<F64Lanes<S>, P>(set, self.chunk, self.adaptive)
+        lane_loop::run::<F64Lanes<S>, PairSteps<P>>(set, self.chunk, self.adaptive)
     }
 }

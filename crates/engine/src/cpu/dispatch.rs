@@ -2,12 +2,14 @@
 
 use pulp::{Simd, WithSimd};
 
+use super::adaptive::PairSteps;
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::lanes::{F32Lanes, F64Lanes};
 use super::number::{Compensated, Two};
 use super::pair::Midpoints;
+use super::taylor::TaylorSteps;
 use super::taylor_pair::TaylorPair;
-use super::{adaptive, extremum, fixed, growing, tangents, taylor};
+use super::{extremum, fixed, growing, lane_loop, tangents};
 use crate::pace::{Adaptive, Pace, Steps};
 use crate::{Method, Precision, WantedEnds};
 use flipmap_numbers::Dd;
@@ -116,14 +118,15 @@ impl ChunkInFlight<'_> {
         let chunk = self.chunk;
         match (chunk.config.method, chunk.config.precision) {
             (Method::Taylor { .. }, Precision::Dd) => {
-                let dd = |hi, lo| Dd { hi, lo };
-                taylor::run::<Two<F64Lanes<S>>, Dd, { ORDER_DD + 1 }>(set, chunk, pace, dd)
+                type Steps = TaylorSteps<Dd, { ORDER_DD + 1 }>;
+                lane_loop::run::<Two<F64Lanes<S>>, Steps>(set, chunk, pace)
             }
             (Method::Taylor { .. }, _) => {
-                taylor::run::<F64Lanes<S>, f64, { ORDER_F64 + 1 }>(set, chunk, pace, |high, _| high)
+                type Steps = TaylorSteps<f64, { ORDER_F64 + 1 }>;
+                lane_loop::run::<F64Lanes<S>, Steps>(set, chunk, pace)
             }
             (Method::Extrapolation { .. }, _) => {
-                adaptive::run::<Two<F64Lanes<S>>, Midpoints>(set, chunk, pace)
+                lane_loop::run::<Two<F64Lanes<S>>, PairSteps<Midpoints>>(set, chunk, pace)
             }
             (Method::Rk4 { .. } | Method::Embedded { .. }, _) => {
                 self.paired().run(Passes { set, chunk, pace })
@@ -146,9 +149,11 @@ impl<S: Simd> WithPair for Passes<'_, S> {
     fn with<P: EmbeddedPair>(self) -> Self::Output {
         let Passes { set, chunk, pace } = self;
         match chunk.config.precision {
-            Precision::F32 => adaptive::run::<Compensated<F32Lanes<S>>, P>(set, chunk, pace),
+            Precision::F32 => {
+                lane_loop::run::<Compensated<F32Lanes<S>>, PairSteps<P>>(set, chunk, pace)
+            }
             Precision::Df32 | Precision::F64 | Precision::Dd => {
-                adaptive::run::<F64Lanes<S>, P>(set, chunk, pace)
+                lane_loop::run::<F64Lanes<S>, PairSteps<P>>(set, chunk, pace)
             }
         }
     }

@@ -10,6 +10,7 @@ mod dispatch;
 mod extremum;
 mod fixed;
 mod growing;
+mod lane_loop;
 mod lane_scheduler;
 mod lanes;
 mod number;

@@ -43,7 +43,7 @@ fn on_quartic<L: Lanes>(y: [L; 2], rise: [L; 2], bow: L) -> L {
 }
 
 /// One pendulum's step, in f64.
-pub(super) struct LaneStep<'a> {
+pub(super) struct PairStep<'a> {
     pub pendulum: &'a Pendulum<f64>,
     pub inverse_scale: [f64; 2],
     pub before: StepState<f64>,
@@ -51,7 +51,7 @@ pub(super) struct LaneStep<'a> {
     pub length: f64,
 }
 
-impl LaneStep<'_> {
+impl PairStep<'_> {
     /// The state after a shorter step from the same beginning.
     pub(super) fn shortened<P: EmbeddedPair>(&self, fraction: f64) -> StepState<f64> {
         let begin = &self.before.phase;
@@ -71,7 +71,7 @@ impl LaneStep<'_> {
     }
 
     fn look_on_quartic<P: EmbeddedPair>(&self, bob: usize) -> StepCrossing<f64> {
-        let LaneStep { before, after, length, .. } = self;
+        let PairStep { before, after, length, .. } = self;
         let trial = P::trial(self.pendulum, self.inverse_scale, &before.phase, *length);
         let (x, y) = (2 * bob, 2 * bob + 1);
         let rise = |moment: &StepState<f64>| moment.speed[bob] * moment.phase[x] * length;

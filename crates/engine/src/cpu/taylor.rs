@@ -2,100 +2,125 @@
 //! method for double-double. Crossings of the top are proved on the step's polynomials, not
 //! sampled.
 
+use std::cmp::Ordering;
 use std::marker::PhantomData;
 
-use super::adaptive::{finish_those_over, idle};
-use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE};
+use super::lane_loop::{LaneDynamics, LanePass, LaneState, LaneStep, LaneStepper, PassSearch};
+use super::lane_scheduler::LaneScheduler;
 use super::lanes::{Lanes, MAX_LANES};
-use super::number::{Number, load_phase, store_phase};
-use super::slowed::finish_slowed;
-use super::stretch::{Stretch, vectorized};
-use super::turns;
-use crate::FinalState;
+use super::number::Number;
+use crate::NUMBERS;
 use crate::pace::Adaptive;
-use crate::start::{TIME, TIME_LOW};
 use flipmap_numbers::polynomial::{bernstein, course, evaluate, halves};
 use flipmap_numbers::{Dd, Real, Scalar};
+use flipmap_pendulum::Pendulum;
 use flipmap_pendulum::control::MAX_STEP;
-use flipmap_pendulum::crossing::{FAR, StepState, height_beyond};
+use flipmap_pendulum::crossing::{FAR, StepState};
 use flipmap_pendulum::embedded::plus;
-use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::MotionSeries;
-use flipmap_pendulum::{Pendulum, Status};
 
-/// Runs a chunk in lanes of `N`, with expansions of `M` coefficients; one lane's numbers are
-/// of type `T`, made from the two parts they are stored in.
-#[inline(never)]
-pub(super) fn run<N: Number, T: Scalar, const M: usize>(
-    set: <N::Leading as Lanes>::Set,
-    chunk: &Chunk,
-    adaptive: Adaptive,
-    from_parts: fn(f64, f64) -> T,
-) -> Option<ChunkResult> {
-    vectorized::<N::Leading, _>(
-        set,
-        TaylorRun::<N, T, M> { chunk, adaptive, from_parts, lanes: PhantomData },
-    )
+/// Steps along expansions of `M` coefficients. One lane's numbers are of type `T`.
+pub(super) struct TaylorSteps<T, const M: usize>(PhantomData<T>);
+
+/// Numbers of one lane, made from the two parts they are stored in.
+pub(super) trait FromParts: Scalar {
+    fn from_parts(high: f64, low: f64) -> Self;
 }
 
-struct TaylorRun<'a, N, T, const M: usize> {
-    chunk: &'a Chunk<'a>,
-    adaptive: Adaptive,
-    from_parts: fn(f64, f64) -> T,
-    lanes: PhantomData<N>,
+impl FromParts for f64 {
+    fn from_parts(high: f64, _: f64) -> Self {
+        high
+    }
 }
 
-impl<N: Number, T: Scalar, const M: usize> Stretch<N::Leading> for TaylorRun<'_, N, T, M> {
-    type Output = Option<ChunkResult>;
+impl FromParts for Dd {
+    fn from_parts(hi: f64, lo: f64) -> Self {
+        Dd { hi, lo }
+    }
+}
+
+/// The polynomials of a suspect step and its length, lane by lane.
+#[derive(Default)]
+pub(super) struct KeptSeries<const M: usize> {
+    phase: Vec<Rows<M>>,
+    length: [f64; MAX_LANES],
+}
+
+impl<N: Number, T: FromParts, const M: usize> LaneStepper<N> for TaylorSteps<T, M> {
+    type Motion = MotionSeries<N, M>;
+    type Kept = KeptSeries<M>;
+    type Search<'a> = SeriesSearch<'a, T, M>;
 
     #[inline(always)]
-    fn run(self, set: <N::Leading as Lanes>::Set) -> Option<ChunkResult> {
-        let TaylorRun { chunk, adaptive, from_parts, .. } = self;
-        let (reduced, _) = chunk.question.reduced_in::<Dd>();
-        let lanes = |value: f64| [value; MAX_LANES];
-        let pendulum = reduced.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo)));
-        let near = reduced.to_f64();
-        let inverse_scale = near.momentum_scale().map(|scale| 1.0 / scale);
-        let mut scheduler = LaneScheduler::new(chunk, <N::Leading as Lanes>::COUNT, idle());
-        let counts_turns = scheduler.counts_turns();
-        finish_those_over(&mut scheduler, &adaptive);
-        while scheduler.is_busy() {
-            if scheduler.is_cancelled() {
-                return None;
-            }
-            let mut state = TaylorLaneState::<N>::load(set, &scheduler);
-            let mut taken = 0;
-            loop {
-                let series = MotionSeries::<N, M>::expand(&pendulum, &state.phase);
-                let length = step_length(&series, inverse_scale, adaptive.control.start * 0.5);
-                let next = plus(&state.phase, &series.change(N::exactly(length)));
-                let clearance = clearance(chunk, &series, &next, length);
-                taken += 1;
-                if clearance.any_at_most(length.lit(0.0)) {
-                    let step = (&series, &state, length);
-                    let how = (&near, &adaptive);
-                    let flips = flips_in_step(&mut scheduler, step, clearance, how, from_parts);
-                    if flips.iter().any(Option::is_some) {
-                        state.finish_step(&mut scheduler, next, length, taken, flips, &adaptive);
-                        break;
-                    }
-                } else {
-                    keep_least(&mut scheduler, clearance);
-                }
-                if counts_turns {
-                    turns::count(&mut state.turns, [&state.phase, &next], -length);
-                }
-                state.advance(next, length);
-                if taken == PATIENCE || state.time.lit(adaptive.budget).any_at_most(state.time) {
-                    state.store(&mut scheduler);
-                    scheduler.count_steps(taken);
-                    break;
-                }
-            }
-            finish_slowed(&mut scheduler, &near);
-            finish_those_over(&mut scheduler, &adaptive);
+    fn motion(dynamics: &LaneDynamics<N>, state: &LaneState<N>) -> MotionSeries<N, M> {
+        MotionSeries::expand(&dynamics.pendulum, &state.phase)
+    }
+
+    #[inline(always)]
+    fn step(
+        dynamics: &LaneDynamics<N>,
+        adaptive: &Adaptive,
+        state: &LaneState<N>,
+        series: &MotionSeries<N, M>,
+    ) -> LaneStep<N> {
+        let log2_tolerance = adaptive.control.start * 0.5;
+        let length = step_length(series, &dynamics.inverse_scale, log2_tolerance);
+        LaneStep {
+            next: plus(&state.phase, &series.change(N::exactly(length))),
+            length,
+            // Every step is taken.
+            excess: length.lit(-1.0),
         }
-        Some(scheduler.answer)
+    }
+
+    #[inline(always)]
+    fn next_length(_: &Adaptive, state: &LaneState<N>, _: &LaneStep<N>) -> N::Leading {
+        state.step
+    }
+
+    #[inline(always)]
+    fn clearance(
+        _: &LaneDynamics<N>,
+        watches: [bool; 2],
+        _: &LaneState<N>,
+        step: &LaneStep<N>,
+        series: &MotionSeries<N, M>,
+    ) -> N::Leading {
+        let mut least = step.length.lit(FAR);
+        for bob in (0..2).filter(|bob| watches[*bob]) {
+            least = clearance_of(bob, least, series, step);
+        }
+        least
+    }
+
+    #[inline(always)]
+    fn keep(kept: &mut KeptSeries<M>, series: &MotionSeries<N, M>, step: &LaneStep<N>) {
+        kept.phase.clear();
+        kept.phase.extend(series.phase.iter().map(rows));
+        step.length.store(&mut kept.length);
+    }
+
+    fn search<'a>(
+        kept: &KeptSeries<M>,
+        pendulum: &'a Pendulum<f64>,
+        scheduler: &mut LaneScheduler,
+        lane: usize,
+        _: &[f64; NUMBERS],
+    ) -> SeriesSearch<'a, T, M> {
+        let one = |i: usize| -> [T; M] {
+            std::array::from_fn(|k| {
+                let [high, low] = &kept.phase[i][k];
+                T::from_parts(high[lane], low[lane])
+            })
+        };
+        let mut search = SeriesSearch {
+            pendulum,
+            phase: [0, 1, 2, 3, 4, 5].map(one),
+            passes: Vec::new(),
+            told: 0,
+        };
+        search.find(scheduler, lane, T::from_f64(kept.length[lane]));
+        search
     }
 }
 
@@ -104,7 +129,7 @@ impl<N: Number, T: Scalar, const M: usize> Stretch<N::Leading> for TaylorRun<'_,
 #[inline(always)]
 fn step_length<N: Number, const M: usize>(
     series: &MotionSeries<N, M>,
-    inverse_scale: [f64; 2],
+    inverse_scale: &[N; 2],
     log2_tolerance: f64,
 ) -> N::Leading {
     let lit = |value| series.phase[0][0].leading().lit(value);
@@ -113,7 +138,7 @@ fn step_length<N: Number, const M: usize>(
         let mut largest = lit(0.0);
         for i in 0..6 {
             let size = series.phase[i][order].leading().abs();
-            let size = if i < 4 { size } else { size * lit(inverse_scale[i - 4]) };
+            let size = if i < 4 { size } else { size * inverse_scale[i - 4].leading() };
             largest = largest.max(size);
         }
         let allowed = (lit(log2_tolerance) - largest.rough_log2()) * lit(1.0 / order as f64);
@@ -122,30 +147,26 @@ fn step_length<N: Number, const M: usize>(
     log2_length.max(lit(-90.0)).rough_exp2()
 }
 
-/// Lower bound on the distance from the top that the watched bobs keep in a step; not positive in
-/// lanes where a bob may cross the top, that is, where its `y` can vanish, its `x` can be negative,
-/// and it ends on the other side or can turn round.
+/// Returns the least of `least` and a lower bound on the distance from the top that a bob keeps in a
+/// step; not positive in lanes where the bob may cross the top, that is, where its `y` can vanish,
+/// its `x` can be negative, and it ends on the other side or can turn round.
 #[inline(always)]
-fn clearance<N: Number, const M: usize>(
-    chunk: &Chunk,
+fn clearance_of<N: Number, const M: usize>(
+    bob: usize,
+    least: N::Leading,
     series: &MotionSeries<N, M>,
-    next: &Phase<N>,
-    length: N::Leading,
+    LaneStep { next, length, .. }: &LaneStep<N>,
 ) -> N::Leading {
-    let mut least = length.lit(FAR);
-    for &bob in chunk.question.rule.watched() {
-        let (x, y) = (&series.phase[2 * bob], &series.phase[2 * bob + 1]);
-        let (y0, y1) = (y[0].leading(), next[2 * bob + 1].leading());
-        let lowest = x[0].leading() - reach(x, length);
-        let nearest = y0.abs() - reach(y, length);
-        let crosses = y0 * y1 - length.lit(1e-37);
-        let speed = &series.speed[bob];
-        let turns = speed[0].leading().abs() - reach(speed, length);
-        let ends = y0.abs().min(y1.abs());
-        let one_way = Lanes::select(length.lit(-1.0), crosses.min(turns), ends);
-        least = least.min(Lanes::select(nearest.max(one_way), lowest, least));
-    }
-    least
+    let (x, y) = (&series.phase[2 * bob], &series.phase[2 * bob + 1]);
+    let (y0, y1) = (y[0].leading(), next[2 * bob + 1].leading());
+    let lowest = x[0].leading() - reach(x, *length);
+    let nearest = y0.abs() - reach(y, *length);
+    let crosses = y0 * y1 - length.lit(1e-37);
+    let speed = &series.speed[bob];
+    let turns = speed[0].leading().abs() - reach(speed, *length);
+    let ends = y0.abs().min(y1.abs());
+    let one_way = Lanes::select(length.lit(-1.0), crosses.min(turns), ends);
+    least.min(Lanes::select(nearest.max(one_way), lowest, least))
 }
 
 /// Upper bound on how far a series moves within `length`.
@@ -158,61 +179,46 @@ fn reach<N: Number, const M: usize>(series: &[N; M], length: N::Leading) -> N::L
     sum * length
 }
 
-/// The last pass of each lane that makes it in a step: the reduced time since the step began, and
-/// the state at that time.
-type Flips = [Option<(f64, Phase<f64>)>; MAX_LANES];
-
-/// Looks for passes of the top in the lanes whose clearance is not positive, and counts them.
-#[inline(always)]
-fn flips_in_step<N: Number, T: Scalar, const M: usize>(
-    scheduler: &mut LaneScheduler,
-    (series, state, length): (&MotionSeries<N, M>, &TaylorLaneState<N>, N::Leading),
-    clearance: N::Leading,
-    (pendulum, adaptive): (&Pendulum<f64>, &Adaptive),
-    from_parts: fn(f64, f64) -> T,
-) -> Flips {
-    let (mut bounds, mut lengths) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
-    clearance.store(&mut bounds);
-    length.store(&mut lengths);
-    let mut times = [0.0; MAX_LANES];
-    state.time.store(&mut times);
-    let all = [0, 1, 2, 3, 4, 5].map(|i| rows(&series.phase[i]));
-    let mut flips = [None; MAX_LANES];
-    for lane in scheduler.running() {
-        if bounds[lane] > 0.0 {
-            scheduler.clearance[lane] = scheduler.clearance[lane].min(bounds[lane]);
-            continue;
-        }
-        let length = T::from_f64(lengths[lane]);
-        let one = |i: usize| -> [T; M] {
-            std::array::from_fn(|k| from_parts(all[i][k][0][lane], all[i][k][1][lane]))
-        };
-        let mut passes: Vec<(T, usize, bool)> = Vec::new();
-        for &bob in scheduler.chunk.question.rule.watched() {
-            let (x, y) = (one(2 * bob), one(2 * bob + 1));
-            let (found, nearest) = passages_of_top(&x, &y, length, scheduler.chunk.question.passes);
-            scheduler.clearance[lane] = scheduler.clearance[lane].min(nearest);
-            passes
-                .extend(found.into_iter().map(|(time, anticlockwise)| (time, bob, anticlockwise)));
-        }
-        passes.sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap_or(std::cmp::Ordering::Equal));
-        for (time, bob, anticlockwise) in passes {
-            let into_step = time.to_f64();
-            let phase = [0, 1, 2, 3, 4, 5].map(|i| evaluate(&one(i), time).to_f64());
-            let outcome = adaptive.outcome_of_pass(times[lane] + into_step);
-            let over = outcome.status == Status::Unflipped;
-            if over || scheduler.pass(lane, bob, anticlockwise) {
-                flips[lane] = Some((into_step, phase));
-                break;
-            }
-            let top = StepState { phase, speed: pendulum.speeds(&phase) };
-            let cleared = height_beyond(pendulum, &top, bob);
-            scheduler.clearance[lane] = scheduler.clearance[lane].min(cleared);
-        }
-    }
-    flips
+/// The passes of the top in one pendulum's step, found on its polynomials.
+pub(super) struct SeriesSearch<'a, T, const M: usize> {
+    pendulum: &'a Pendulum<f64>,
+    phase: [[T; M]; 6],
+    /// The time since the step began, the bob, and true for anticlockwise.
+    passes: Vec<(T, usize, bool)>,
+    /// Number of passes that were told.
+    told: usize,
 }
 
+impl<T: Scalar, const M: usize> SeriesSearch<'_, T, M> {
+    /// Finds all passes in a step.
+    fn find(&mut self, scheduler: &mut LaneScheduler, lane: usize, length: T) {
+        let question = scheduler.chunk.question;
+        for &bob in question.rule.watched() {
+            let (x, y) = (&self.phase[2 * bob], &self.phase[2 * bob + 1]);
+            let (found, nearest) = passages_of_top(x, y, length, question.passes);
+            scheduler.clearance[lane] = scheduler.clearance[lane].min(nearest);
+            let of_bob = |(time, anticlockwise)| (time, bob, anticlockwise);
+            self.passes.extend(found.into_iter().map(of_bob));
+        }
+        self.passes.sort_by(|a, b| a.0.partial_cmp(&b.0).unwrap_or(Ordering::Equal));
+    }
+}
+
+impl<T: Scalar, const M: usize> PassSearch for SeriesSearch<'_, T, M> {
+    fn next(&mut self, _: &mut LaneScheduler, _: usize) -> Option<LanePass> {
+        let &(time, bob, anticlockwise) = self.passes.get(self.told)?;
+        self.told += 1;
+        Some(LanePass { into_step: time.to_f64(), bob, anticlockwise })
+    }
+
+    fn top(&self) -> StepState<f64> {
+        let (time, ..) = self.passes[self.told - 1];
+        let phase = self.phase.each_ref().map(|terms| evaluate(terms, time).to_f64());
+        StepState { phase, speed: self.pendulum.speeds(&phase) }
+    }
+
+    fn go_on(&mut self, _: &LanePass, _: &StepState<f64>) {}
+}
 /// Returns the first `most` moments in (0, length] at which a point on the unit circle, with the
 /// polynomials `x` and `y`, crosses the top, (−1, 0). Each moment comes with true if the point
 /// crosses anticlockwise. Also returns the least distance from the top that the point reaches
@@ -253,16 +259,6 @@ fn passages_of_top<T: Scalar, const M: usize>(
     }
 }
 
-/// Lowers the lanes' clearances to those of a step.
-#[inline(always)]
-fn keep_least<L: Lanes>(scheduler: &mut LaneScheduler, clearance: L) {
-    let mut bounds = [FAR; MAX_LANES];
-    clearance.store(&mut bounds);
-    for (kept, bound) in scheduler.clearance.iter_mut().zip(bounds) {
-        *kept = kept.min(bound);
-    }
-}
-
 /// The two parts of every coefficient, lane by lane.
 type Rows<const M: usize> = [[[f64; MAX_LANES]; 2]; M];
 
@@ -274,77 +270,6 @@ fn rows<N: Number, const M: usize>(series: &[N; M]) -> Rows<M> {
         value.store(high, low);
     }
     rows
-}
-
-/// The state of all lanes in registers.
-#[derive(Clone, Copy)]
-struct TaylorLaneState<N: Number> {
-    phase: Phase<N>,
-    time: N::Leading,
-    time_low: N::Leading,
-    /// Whole turns of each bob.
-    turns: [N::Leading; 2],
-}
-
-impl<N: Number> TaylorLaneState<N> {
-    #[inline(always)]
-    fn load(set: <N::Leading as Lanes>::Set, scheduler: &LaneScheduler) -> Self {
-        let rows = &scheduler.rows;
-        TaylorLaneState {
-            phase: load_phase(set, rows),
-            time: Lanes::load(set, &rows[TIME]),
-            time_low: Lanes::load(set, &rows[TIME_LOW]),
-            turns: [0, 1].map(|bob| Lanes::load(set, &scheduler.turns[bob])),
-        }
-    }
-
-    #[inline(always)]
-    fn store(&self, scheduler: &mut LaneScheduler) {
-        let rows = &mut scheduler.rows;
-        store_phase(&self.phase, rows);
-        self.time.store(&mut rows[TIME]);
-        self.time_low.store(&mut rows[TIME_LOW]);
-        for (turns, row) in self.turns.iter().zip(&mut scheduler.turns) {
-            turns.store(row);
-        }
-    }
-
-    #[inline(always)]
-    fn advance(&mut self, next: Phase<N>, length: N::Leading) {
-        self.phase = next;
-        (self.time, self.time_low) = self.time.fast_two_sum(self.time_low + length);
-    }
-
-    /// Ends a stretch with a step in which some pendulums flip; those stay in the state before it,
-    /// from which they would be continued.
-    #[inline(always)]
-    fn finish_step(
-        &mut self,
-        scheduler: &mut LaneScheduler,
-        next: Phase<N>,
-        length: N::Leading,
-        taken: u32,
-        flips: Flips,
-        adaptive: &Adaptive,
-    ) {
-        self.store(scheduler);
-        let before = scheduler.rows;
-        self.advance(next, length);
-        self.store(scheduler);
-        scheduler.count_steps(taken);
-        for lane in scheduler.running() {
-            if let Some((into_step, phase)) = flips[lane] {
-                let numbers = before.map(|row| row[lane]);
-                scheduler.put(lane, numbers);
-                let time = numbers[TIME] + (numbers[TIME_LOW] + into_step);
-                scheduler.finish(lane, adaptive.outcome_of_pass(time), |lanes| FinalState {
-                    time,
-                    phase,
-                    ..lanes.end_of_phase(lane)
-                });
-            }
-        }
-    }
 }
 
 #[cfg(test)]
