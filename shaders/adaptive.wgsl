@@ -1,4 +1,4 @@
-// A tile's pendulums in adaptive steps (counterpart: crates/engine/src/cpu/adaptive.rs), on unit
+// A tile's pendulums in adaptive steps (counterpart: crates/engine/src/cpu/lane_loop.rs), on unit
 // vectors and momenta. `advance` tries steps and stops before one in which the top may be reached;
 // `look` decides those. The quantities that a step is judged by are f32, whatever the number type.
 

@@ -122,7 +122,7 @@ fn moment_of(search: Search, now: State) -> vec2<f32> {
 const BARELY = 1e-30;
 
 // The pendulum at a pass that does not end its motion, barely beyond the top (counterpart: `look` in
-// crates/engine/src/cpu/adaptive.rs).
+// crates/engine/src/cpu/lane_loop.rs).
 fn beyond_top(state: State, search: Search, anticlockwise: bool) -> State {
     var now = state;
     let beyond = real(select(BARELY, -BARELY, anticlockwise));

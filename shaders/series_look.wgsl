@@ -57,7 +57,7 @@ fn first_place(search: Search) -> Real {
 
 {% if counts_passes %}
 // Counts the passes of a step from `time` in their order, until the last one that is wanted
-// (counterpart: `flips_in_step` in crates/engine/src/cpu/taylor.rs).
+// (counterpart: `look` in crates/engine/src/cpu/lane_loop.rs).
 fn counted(pixel: u32, time: Real, step: Step, before: Search) -> Search {
     var search = before;
     let speeds = w_of(step);

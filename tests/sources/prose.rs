@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use flipmap_shaders::KERNEL_PARTS;
+
 use crate::sources::product_files;
 
 /// The source files, each with its text before its unit tests.
@@ -86,7 +88,10 @@ fn items(text: &str, fits: impl Fn(&str) -> bool) -> Vec<(&str, Vec<&str>)> {
         let head = lines[k];
         let indent = &head[..head.len() - head.trim_start().len()];
         let end = lines[k..].iter().position(|line| *line == format!("{indent}}}"))?;
-        Some((head.trim(), lines[k..=k + end].to_vec()))
+        // A signature in a trait has no body.
+        let closes = |line: &&str| line.starts_with(&format!("{indent})")) && line.ends_with(';');
+        let signature = lines[k..=k + end].iter().any(closes);
+        (!signature).then(|| (head.trim(), lines[k..=k + end].to_vec()))
     };
     let opens = |k: &usize| fits(private(lines[*k])) && !lines[*k].ends_with([';', '}']);
     (0..lines.len()).filter(opens).filter_map(item).collect()
@@ -98,6 +103,56 @@ fn is_function(line: &str) -> bool {
 
 /// The tableau of a method of order eight is long.
 const TABLES: [(&str, &str); 1] = [("embedded/dop853.rs", "fn trial<T: Real>(")];
+
+/// A line of a shader file without what the template engine replaces.
+fn without_templates(line: &str) -> String {
+    let mut left = line.to_string();
+    for [begin, end] in [["{%", "%}"], ["{{", "}}"], ["{#", "#}"]] {
+        while let Some(from) = left.find(begin) {
+            let to = left[from..].find(end).map_or(left.len(), |by| from + by + end.len());
+            left.replace_range(from..to, "");
+        }
+    }
+    left
+}
+
+/// Returns the lines of a shader file that stand outside its declarations, and the lengths of its
+/// functions by their first lines.
+fn shader_outline(text: &str) -> (Vec<String>, Vec<(String, usize)>) {
+    const DECLARATIONS: [&str; 9] =
+        ["//", "@", "fn ", "struct ", "const ", "alias ", "var<", "}", ")"];
+    let (mut depth, mut loose, mut functions) = (0, Vec::new(), Vec::new());
+    for line in text.lines().map(without_templates) {
+        let code = line.split("//").next().unwrap_or_default();
+        if depth == 0 && line.starts_with("fn ") {
+            functions.push((line.clone(), 0));
+        }
+        if let Some((_, lines)) = functions.last_mut().filter(|_| depth > 0 || code.contains('{')) {
+            *lines += 1;
+        }
+        let declares = DECLARATIONS.iter().any(|begin| line.starts_with(begin));
+        if depth == 0 && !line.trim().is_empty() && !declares {
+            loose.push(line.clone());
+        }
+        depth += code.matches(['{', '(']).count();
+        depth -= code.matches(['}', ')']).count();
+    }
+    (loose, functions)
+}
+
+#[test]
+fn shader_files_hold_whole_functions_and_short_ones() {
+    let (loose, functions) = shader_outline("fn a() {\n    b();\n}\n    let c = 1;\n");
+    assert_eq!((loose, functions), (vec!["    let c = 1;".into()], vec![("fn a() {".into(), 3)]));
+    let parts = KERNEL_PARTS.iter().filter(|(name, _)| *name != "outcome.wgsl");
+    for (name, text) in parts {
+        let (loose, functions) = shader_outline(text);
+        assert!(loose.is_empty(), "{name} has loose lines: {loose:?}");
+        for (head, lines) in functions {
+            assert!(lines <= 60, "{name}: {head} has {lines} lines");
+        }
+    }
+}
 
 #[test]
 fn functions_are_short() {
