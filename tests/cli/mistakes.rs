@@ -74,7 +74,7 @@ const MISTAKES: &[(&[&str], i32, &[&str])] = &[
     (&["--count", "0"], 2, &["--count", "between 1 and 1000000"]),
     (&["--count", "2", "--ask", "growth"], 2, &["--count", "only the question flip"]),
     (&["--ask", "state", "--at", "31"], 2, &["--at", "within the budget"]),
-    (&["--at", "3"], 2, &["--at", "flips, state, growth and return"]),
+    (&["--at", "3"], 2, &["--at", "flips, state, growth, return and speed"]),
     (&["--ask", "growth", "--at", "0"], 2, &["--at", "above 0"]),
     (&["--plane", "section", "--energy", "-40"], 2, &["--energy", "least", "-29.43 J"]),
     (&["--plane", "speeds", "--center", "1e9,0"], 2, &["--center", "coordinate", "1e6 rad/s"]),
