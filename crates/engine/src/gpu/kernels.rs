@@ -86,10 +86,9 @@ impl Kernels {
         if compiler.latest != Some(design) {
             compiler.latest = Some(design);
             // Nobody listens if the thread could not start or has died.
-            let _ = compiler
-                .wishes
-                .as_ref()
-                .map(|to| to.send(CompileRequest { design, workgroup, haste }));
+            if let Some(wishes) = &compiler.wishes {
+                let _ = wishes.send(CompileRequest { design, workgroup, haste });
+            }
         }
     }
 
