@@ -1,6 +1,7 @@
 //! The test for crossings of the top in a step of an embedded pair. A pair that provides the motion
 //! inside its steps is tested on that, and the others on the cubic through both ends, so that methods
-//! with different tests can check each other.
+//! with different tests can check each other. For that reason the tests of pairs, expansions
+//! (`taylor.rs`) and flow patches have no code in common, and must not get any.
 
 use std::sync::LazyLock;
 

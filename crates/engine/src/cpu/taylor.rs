@@ -1,6 +1,6 @@
 //! Taylor steps for a register of pendulums at a time: the check of the other methods, and the
 //! method for double-double. Crossings of the top are proved on the step's polynomials, not
-//! sampled.
+//! sampled; the test shares no code with that of pairs (`pair.rs`), which it checks.
 
 use std::cmp::Ordering;
 use std::marker::PhantomData;

@@ -6,7 +6,8 @@
 //! patch is followed until its polynomials no longer describe the whole cell; then it is cut into
 //! parts that continue, or its pixels are integrated one by one.
 //!
-//! Crossings are found on the polynomials too. Where all of a patch passes the top, the moment is
+//! Crossings are found on the polynomials too, by code of their own, so that cells followed and pixels
+//! integrated one by one check each other. Where all of a patch passes the top, the moment is
 //! itself a polynomial. Where a bob turns round near the top, so is the height that it reaches, and
 //! the sign of the height says which starts have flipped: a graze stays one clean line however deep
 //! the zoom.

@@ -1,4 +1,6 @@
-//! The referee of a hunt: a solver that shares nothing with the engines but the right-hand side.
+//! The referee of a hunt: a solver that shares nothing with the engines but the right-hand side and
+//! the definition of a quantity whose extreme is asked for. It keeps a loop of its own by decision: a
+//! mistake in the engines' loop must not be able to repeat itself here.
 //!
 //! Steps are extrapolations of Gragg's midpoint rule (Bulirsch and Stoer 1966; Hairer, Nørsett and
 //! Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.9), of an order and a length
