@@ -137,5 +137,5 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
 {% if counts_turns %}
     keep_turns(pixel, turns);
 {% endif %}
-    end_slice(pixel, now, steps, clearance, suspect);
+    keep_slice(pixel, now, steps, clearance, suspect);
 }

@@ -57,11 +57,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     outcomes[pixel].steps = steps;
     let over = rough(now.time) >= job.budget;
     let sound = finite(now.x1) && (over || steps < most_steps);
-    if !sound || (over && !suspect) {
-        end(pixel, select(FAILED, UNFLIPPED, sound));
-    }
-    put_on(SUSPECTS, pixel, sound && suspect);
-    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
+    end_slice(pixel, sound, over, suspect);
 }
 
 // The state after a step of length `whole` in which the quantity has an extreme, which it keeps.
@@ -110,9 +106,5 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     keep_state(pixel, after);
     outcomes[pixel].steps += 1u;
     outcomes[pixel].status += (HALVINGS + 2u) * LOOK;
-    let over = !(rough(after.time) < job.budget);
-    if over {
-        end(pixel, UNFLIPPED);
-    }
-    put_on(1u - queue.turn, pixel, !over);
+    end_step(pixel, false, true, rough(after.time) >= job.budget);
 }

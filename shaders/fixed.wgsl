@@ -87,16 +87,6 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     keep_state(pixel, kept);
     outcomes[pixel].steps = steps;
-    let sound = is_sound(kept);
-    var over = steps >= job.most_steps;
-{% if least_energy %}
     let slowed = is_slowed(kept);
-    suspect = suspect && !slowed;
-    over = over || slowed;
-{% endif %}
-    if !sound || (over && !suspect) {
-        end(pixel, select(FAILED, UNFLIPPED, sound));
-    }
-    put_on(SUSPECTS, pixel, sound && suspect);
-    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
+    end_slice(pixel, is_sound(kept), steps >= job.most_steps || slowed, suspect && !slowed);
 }

@@ -14,17 +14,11 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     let first = first_pass(now, next, step);
     outcomes[pixel].status += LOOK;
     let flipped = first.bob != 0u;
-    let broken = !is_sound(next);
-    let over = steps >= job.most_steps;
     if flipped {
-        end(pixel, ANSWERED);
         outcomes[pixel].moment = to_parts(first.share);
     } else {
         keep_state(pixel, next);
         outcomes[pixel].steps = steps;
-        if broken || over {
-            end(pixel, select(UNFLIPPED, FAILED, broken));
-        }
     }
-    put_on(1u - queue.turn, pixel, !flipped && !broken && !over);
+    end_step(pixel, flipped, is_sound(next), steps >= job.most_steps);
 }

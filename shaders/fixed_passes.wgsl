@@ -79,18 +79,12 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     let all = passes_in_step(pixel, state_of(pixel));
     let steps = outcomes[pixel].steps + 1u;
     outcomes[pixel].status += LOOK;
-    let over = steps >= job.most_steps;
-    if all.broken {
-        end(pixel, FAILED);
-    } else if all.done {
-        end(pixel, ANSWERED);
+    let flipped = all.done && !all.broken;
+    if flipped {
         outcomes[pixel].moment = to_parts(all.share);
     } else {
         keep_state(pixel, all.end);
         outcomes[pixel].steps = steps;
-        if over {
-            end(pixel, UNFLIPPED);
-        }
     }
-    put_on(1u - queue.turn, pixel, !all.done && !all.broken && !over);
+    end_step(pixel, flipped, !all.broken, steps >= job.most_steps);
 }

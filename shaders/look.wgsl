@@ -169,7 +169,10 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
             after = step.next;
             after.h = real(next_length(
                 search.whole, excess_of(rough(step.error_squared), rough(now.time))));
-            search = with_whole(search, begins, nows, array<f32, 2>({{ bows | join(", ") }}));
+            search.ends = nows;
+{% if quartic %}
+            search.courses = courses_of(begins, nows, array<f32, 2>({{ bows | join(", ") }}), search.whole);
+{% endif %}
         } else {
             search = decided(search, nows[search.bob]);
         }
@@ -199,5 +202,6 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
     } else {
         keep_state(pixel, after);
     }
-    end_step(pixel, flipped, outcomes[pixel].steps < job.most_steps, after.time);
+    let sound = outcomes[pixel].steps < job.most_steps;
+    end_step(pixel, flipped, sound, is_over(after.time));
 }

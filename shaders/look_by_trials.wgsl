@@ -1,12 +1,6 @@
 // The search for a pass by shorter and shorter steps, for pairs that provide nothing between the ends
 // of a step (counterpart: `crossing::within`).
 
-fn with_whole(before: Search, begins: array<Bob, 2>, ends: array<Bob, 2>, bows: array<f32, 2>) -> Search {
-    var search = before;
-    search.ends = ends;
-    return search;
-}
-
 // The search for a pass of a bob, as it begins.
 fn examined(before: Search, begin: Bob) -> Search {
     var search = before;

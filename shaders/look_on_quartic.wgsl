@@ -55,13 +55,18 @@ fn first_change(control: array<f32, 5>) -> f32 {
     return 2.0;
 }
 
-fn with_whole(before: Search, begins: array<Bob, 2>, ends: array<Bob, 2>, bows: array<f32, 2>) -> Search {
-    var search = before;
-    search.ends = ends;
+// The quartics of the watched bobs over the whole step.
+fn courses_of(
+    begins: array<Bob, 2>,
+    ends: array<Bob, 2>,
+    bows: array<f32, 2>,
+    whole: f32,
+) -> array<array<f32, 5>, 2> {
+    var courses = array<array<f32, 5>, 2>();
     for (var k = 0u; k < {{ bobs }}u; k++) {
-        search.courses[k] = control_points(begins[k], ends[k], bows[k], search.whole);
+        courses[k] = control_points(begins[k], ends[k], bows[k], whole);
     }
-    return search;
+    return courses;
 }
 
 // The search for a pass of a bob, as it begins.

@@ -29,34 +29,16 @@ fn keep_turns(pixel: u32, turns: vec2<i32>) {
 }
 
 {% endif %}
-// Ends a slice of a pendulum after so many steps; `is_suspect` if the next one may reach the top.
-fn end_slice(pixel: u32, now: State, steps: u32, clearance: f32, is_suspect: bool) {
+// Returns true if the budget ends before a time.
+fn is_over(time: Real) -> bool {
+    return !(rough(time) < job.budget);
+}
+
+// Keeps a pendulum after a slice of steps; `suspect` if the next one may reach the top.
+fn keep_slice(pixel: u32, now: State, steps: u32, clearance: f32, suspect: bool) {
     keep_state(pixel, now);
     outcomes[pixel].steps = steps;
     outcomes[pixel].clearance = clearance;
-    let sound = steps < job.most_steps;
-    var suspect = is_suspect;
-    var over = !(rough(now.time) < job.budget);
-{% if least_energy %}
     let slowed = is_slowed(now);
-    suspect = suspect && !slowed;
-    over = over || slowed;
-{% endif %}
-    if !sound || (over && !suspect) {
-        end(pixel, select(FAILED, UNFLIPPED, sound));
-    }
-    put_on(SUSPECTS, pixel, sound && suspect);
-    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
-}
-
-// Ends the step of a pendulum that was searched for passes of the top, in which it flipped or reached
-// a time; `sound` is false if it can go on no further.
-fn end_step(pixel: u32, flipped: bool, sound: bool, time: Real) {
-    let over = !sound || !(rough(time) < job.budget);
-    if flipped {
-        end(pixel, ANSWERED);
-    } else if over {
-        end(pixel, select(FAILED, UNFLIPPED, sound));
-    }
-    put_on(1u - queue.turn, pixel, !flipped && !over);
+    end_slice(pixel, steps < job.most_steps, is_over(now.time) || slowed, suspect && !slowed);
 }

@@ -106,5 +106,5 @@ fn look(@builtin(global_invocation_id) id: vec3<u32>) {
         keep_state(pixel, step.next);
     }
     let sound = outcomes[pixel].steps < job.most_steps && is_sound(step.next);
-    end_step(pixel, search.flipped, sound, step.next.time);
+    end_step(pixel, search.flipped, sound, is_over(step.next.time));
 }

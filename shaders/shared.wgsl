@@ -145,3 +145,23 @@ fn put_on(list: u32, pixel: u32, wanted: bool) {
     }
 }
 {% endif %}
+
+// Ends a slice of a pendulum: it goes on, is searched for a pass in its next step if that is suspect,
+// or is done, because it is over or not sound.
+fn end_slice(pixel: u32, sound: bool, over: bool, suspect: bool) {
+    if !sound || (over && !suspect) {
+        end(pixel, select(FAILED, UNFLIPPED, sound));
+    }
+    put_on(SUSPECTS, pixel, sound && suspect);
+    put_on(1u - queue.turn, pixel, sound && !suspect && !over);
+}
+
+// Ends the suspect step of a pendulum: it flipped, is over, is not sound, or goes on.
+fn end_step(pixel: u32, flipped: bool, sound: bool, over: bool) {
+    if flipped {
+        end(pixel, ANSWERED);
+    } else if !sound || over {
+        end(pixel, select(FAILED, UNFLIPPED, sound));
+    }
+    put_on(1u - queue.turn, pixel, !flipped && sound && !over);
+}

@@ -52,13 +52,15 @@ fn step_from(now: State, step: Real) -> Step {
     );
 }
 
-{% if least_energy %}
 // Returns true if too little energy is left ever to pass the top (see crates/engine/src/slowed.rs).
 fn is_slowed(now: State) -> bool {
+{% if least_energy %}
 {% for name in state %}
     let {{ name }} = now.{{ name }};
 {% endfor %}
 {{ maths.energy }}
     return rough(energy) < {{ least_energy }};
-}
+{% else %}
+    return false;
 {% endif %}
+}

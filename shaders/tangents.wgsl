@@ -55,10 +55,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
     outcomes[pixel].steps = steps;
     let over = rough(now.time) >= job.budget;
     let sound = finite(now.x1) && (over || steps < most_steps);
-    if !sound || over {
-        end(pixel, select(FAILED, UNFLIPPED, sound));
-    }
-    put_on(1u - queue.turn, pixel, sound && !over);
+    end_slice(pixel, sound, over, false);
 }
 
 // Does nothing, because no step has to be searched.

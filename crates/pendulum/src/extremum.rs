@@ -128,9 +128,7 @@ impl<T: Scalar> Measure<T> {
     pub fn value(&self, phase: &Phase<T>) -> T {
         self.square(phase).sqrt()
     }
-}
 
-impl<T: Scalar> Measure<T> {
     /// The nearest measure in f64.
     pub fn to_f64(&self) -> Measure<f64> {
         Measure {

@@ -19,8 +19,7 @@ pub struct MotionSeries<T, const N: usize> {
     pub speed: [[T; N]; 2],
 }
 
-/// Numbers that begin a cache line: registers of SIMD lanes that lie across two of them take a fifth
-/// longer.
+/// Numbers that begin a cache line, so that no register of SIMD lanes lies across two of them.
 #[repr(align(64))]
 struct Aligned<T>(T);
 

@@ -20,6 +20,8 @@ const HALVINGS: u32 = 30;
 struct Seeking<R, P> {
     measure: Measure<R>,
     phase: Phase<R>,
+    /// The rate of the measure there.
+    rate: f64,
     progress: WalkProgress,
     /// True once an extreme counts.
     counts: bool,
@@ -49,19 +51,17 @@ impl<R: Scalar, P: EmbeddedPair> Seeking<R, P> {
         precision: Precision,
     ) -> Self {
         let phase = phase_in(&state.numbers, precision);
-        let (start, counts, best) = match state.carried.as_deref() {
-            // A state in double-double is never continued, so `phase` is its start with all digits.
-            Some(Carried::Extremum { start, counts, best }) if precision != Precision::Dd => {
-                (start.map(R::from_f64), *counts, *best)
-            }
-            _ => {
-                let measure = Measure::new(extremum, *pendulum, phase).to_f64();
-                (phase, extremum.counts_from_release(), measure.begun())
-            }
+        let Some(&Carried::Extremum { start, counts, best }) = state.carried.as_deref() else {
+            unreachable!("every start of the job carries its search")
         };
+        // A state in double-double is never continued, so `phase` is its start with all digits.
+        let is_start = precision == Precision::Dd;
+        let start = if is_start { phase } else { start.map(R::from_f64) };
+        let measure = Measure::new(extremum, *pendulum, start);
         let (time, length) = (state.numbers[TIME], state.numbers[STEP]);
         Seeking {
-            measure: Measure::new(extremum, *pendulum, start),
+            rate: measure.rate(&phase).to_f64(),
+            measure,
             phase,
             progress: WalkProgress { time, length, steps: state.steps },
             counts,
@@ -80,7 +80,8 @@ impl<R: Scalar, P: EmbeddedPair> Seeking<R, P> {
     /// Looks for an extreme in the step to `next`.
     fn look(&mut self, next: &Phase<R>, pace: &Pace, length: f64) {
         let rate = |phase: &Phase<R>| self.measure.rate(phase).to_f64();
-        let (before, after) = (rate(&self.phase), rate(next));
+        let (before, after) = (self.rate, rate(next));
+        self.rate = after;
         self.counts |= before > 0.0 && after < 0.0;
         if !(self.counts && before < 0.0 && after >= 0.0) {
             return;

@@ -8,7 +8,7 @@ use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::taylor::TaylorStep;
 
 /// Number of parts of a step in which an extreme is looked for.
-const PARTS: u32 = 16;
+const PARTS: usize = 16;
 /// Number of halvings that find an extreme to the last digits of f64.
 const HALVINGS: u32 = 50;
 
@@ -30,22 +30,21 @@ impl ExtremumSearch {
     /// Looks for extremes in the next step of the orbit.
     pub(super) fn add(&mut self, step: &TaylorStep<Dd>) {
         let length = (step.end() - step.start).hi;
-        let at = |part: u32| length * f64::from(part) / f64::from(PARTS);
-        let rate = |tau: f64| self.measure.rate(&self.phase(&step.state(Dd::new(tau))));
-        let mut found = Vec::new();
-        for part in 0..PARTS {
+        let at = |part: usize| length * part as f64 / PARTS as f64;
+        let phase = |tau: f64| self.phase(&step.state(Dd::new(tau)));
+        let rate = |tau: f64| self.measure.rate(&phase(tau));
+        let rates: Vec<f64> = (0..=PARTS).map(|part| rate(at(part))).collect();
+        let turns = (0..PARTS).filter(|&part| rates[part] < 0.0 && rates[part + 1] >= 0.0);
+        let extreme = |part| {
             let (mut low, mut high) = (at(part), at(part + 1));
-            if !(rate(low) < 0.0 && rate(high) >= 0.0) {
-                continue;
-            }
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (low + high);
                 if rate(middle) < 0.0 { low = middle } else { high = middle }
             }
-            let value = self.measure.value(&self.phase(&step.state(Dd::new(high))));
-            found.push([step.start.hi + high, value]);
-        }
-        self.found.append(&mut found);
+            [step.start.hi + high, self.measure.value(&phase(high))]
+        };
+        let found: Vec<[f64; 2]> = turns.map(extreme).collect();
+        self.found.extend(found);
     }
 
     /// Returns the extreme up to `secs`, at which the orbit is in a state, and its time in s; NaN

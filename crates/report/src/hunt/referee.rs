@@ -43,7 +43,7 @@ pub(super) struct MotionEnd<T> {
     pub phase: Phase<T>,
     /// Passes of each bob, anticlockwise and clockwise.
     pub passes: [u32; 4],
-    /// Least distance from the start after having left it, and its reduced time.
+    /// The extreme that is told, and its reduced time.
     pub extremum: [f64; 2],
 }
 

@@ -70,21 +70,19 @@ impl AnswerColours {
         channel: usize,
     ) -> Result<Self, SceneError> {
         let ask = scene.question.ask;
+        let up_to = |most: f64| -> Result<Way, SceneError> {
+            let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;
+            Ok(Way::Between(channel, [0.0, most], palette))
+        };
         let way = match ask.kind().channels[channel].scale {
             ChannelScale::Times => {
                 let (unit, budget) = (scene.build.unit_secs(), scene.question.budget.secs);
                 Way::Times(channel, Tones::new(picture, unit, budget)?)
             }
             ChannelScale::Cyclic => Way::Angle(channel, palette_or(picture, Palette::OF_ANGLES)?),
-            ChannelScale::Rates(most) => {
-                let most = most / scene.build.unit_secs();
-                let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;
-                Way::Between(channel, [0.0, most], palette)
-            }
+            ChannelScale::Rates(most) => up_to(most / scene.build.unit_secs())?,
             ChannelScale::Speeds(most) => {
-                let most = most * scene.build.lengths_m()[1] / scene.build.unit_secs();
-                let palette = palette_or(picture, Palette::DARK_TO_BRIGHT)?;
-                Way::Between(channel, [0.0, most], palette)
+                up_to(most * scene.build.lengths_m()[1] / scene.build.unit_secs())?
             }
             ChannelScale::Between(from, to) => {
                 Way::Between(channel, [from, to], Palette::named(&picture.palette)?)
