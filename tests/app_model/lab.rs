@@ -1,4 +1,4 @@
-//! The laboratory in the window: its keys, its projector mode and its story.
+//! The laboratory in the window: its keys, its projector mode and its lesson.
 
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
@@ -28,17 +28,25 @@ fn keys_pause_slow_and_project_the_figure_and_leave_the_map_alone() {
 }
 
 #[test]
-fn the_story_is_told_from_the_first_figure_to_the_map() {
+fn the_lesson_is_given_from_the_first_figure_to_the_map() {
     let mut desktop = home();
     press(&mut desktop, Modifiers::COMMAND, Key::K);
-    desktop.event(Event::Text("story".to_string()));
+    desktop.event(Event::Text("seven".to_string()));
     desktop.run_steps(2);
     press(&mut desktop, Modifiers::NONE, Key::Enter);
     assert_eq!(desktop.state().figure_shown(), Some("single"));
-    click(&mut desktop, "Next");
-    assert_eq!(desktop.state().figure_shown(), Some("ghost"));
-    (0..5).for_each(|_| press(&mut desktop, Modifiers::NONE, Key::PageDown));
-    desktop.get_by_label("Why is a third of the map free?");
-    click(&mut desktop, "End the story");
-    assert!(!desktop.state().lab.story && desktop.state().state.shown.lab);
+    click(&mut desktop, "A  It takes longer.");
+    assert!(!desktop.state().lab.playing.paused && desktop.query_by_label("Reveal").is_some());
+    press(&mut desktop, Modifiers::NONE, Key::Space);
+    desktop.get_by_label_contains("Not so. Gravity pulls four times as hard");
+    assert!(!desktop.state().lab.playing.paused, "the first Space reveals");
+    press(&mut desktop, Modifiers::NONE, Key::Space);
+    assert!(desktop.state().lab.playing.paused, "the next one pauses");
+    (0..6).for_each(|_| press(&mut desktop, Modifiers::NONE, Key::PageDown));
+    desktop.get_by_label("Which part of all starts can never flip, however long one waits?");
+    click(&mut desktop, "C  About a third.");
+    press(&mut desktop, Modifiers::NONE, Key::Space);
+    desktop.get_by_label_contains("Right. To flip");
+    click(&mut desktop, "End the lesson");
+    assert!(!desktop.state().lab.lesson.is_on && desktop.state().state.shown.lab);
 }

@@ -103,10 +103,10 @@ fn every_section_and_figure_is_drawn_in_windows_of_any_size() {
             desktop.run_steps(3);
         }
     }
-    // The story shows one figure after another.
+    // The lesson shows one figure after another.
     desktop.set_size(large);
     press(&mut desktop, Modifiers::COMMAND, Key::K);
-    desktop.event(Event::Text("story".to_string()));
+    desktop.event(Event::Text("seven".to_string()));
     desktop.run_steps(2);
     press(&mut desktop, Modifiers::NONE, Key::Enter);
     for _ in 0..7 {

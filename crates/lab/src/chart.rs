@@ -8,8 +8,8 @@ use egui::{
     WidgetInfo, pos2, vec2,
 };
 
-use super::drawing::{SMALL, Tint};
-use flipmap_numbers::number_text::{of_pi, plain, power_of_ten};
+use super::drawing::{SMALL, Tint, corner_inside};
+use flipmap_numbers::number_text::{of_pi, plain, power_of_ten, significant};
 
 /// The mapping of values to places along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,6 +103,19 @@ impl ChartAxis {
         ((self.stretched(value) - from) / (to - from)).clamp(-1.0, 2.0) as f32
     }
 
+    /// Returns the value at a position along the axis, 0 to 1.
+    fn value(&self, share: f32) -> f64 {
+        let [from, to] = [*self.range.start(), *self.range.end()].map(|end| self.stretched(end));
+        let along = from + f64::from(share) * (to - from);
+        match self.scale {
+            AxisScale::Linear | AxisScale::Angle => along,
+            AxisScale::Log => 10f64.powf(along),
+            AxisScale::SignedLog(least) => {
+                (least * (10f64.powf(along.abs()) - 1.0)).copysign(along)
+            }
+        }
+    }
+
     /// Returns the values marked by gridlines, with their labels.
     fn ticks(&self) -> Vec<(f64, String)> {
         let (from, to) = (*self.range.start(), *self.range.end());
@@ -175,7 +188,25 @@ impl Chart {
         for mark in &self.marks {
             painter.circle_filled(area.clamp(self.place(area, mark)), 4.0, tint.ink);
         }
+        if let Some(at) = response.hover_pos().filter(|at| area.contains(*at)) {
+            self.crosshair(&inside, area, at, &tint);
+        }
         response
+    }
+
+    /// Draws a cross at the pointer, with the values there.
+    fn crosshair(&self, painter: &Painter, area: Rect, at: Pos2, tint: &Tint) {
+        let stroke = Stroke::new(1.0, tint.faint);
+        painter.vline(at.x, area.y_range(), stroke);
+        painter.hline(area.x_range(), at.y, stroke);
+        let across = self.across.value((at.x - area.left()) / area.width());
+        let up = self.up.value((area.bottom() - at.y) / area.height());
+        let words = [across, up].map(|value| significant(value, 3)).join(" · ");
+        let galley = painter.layout_no_wrap(words, FontId::proportional(SMALL), tint.ink);
+        let corner = corner_inside(area, galley.size(), at + vec2(8.0, -8.0 - galley.size().y));
+        let plate = Rect::from_min_size(corner, galley.size()).expand(2.0);
+        painter.rect_filled(plate, 2.0, tint.ground);
+        painter.galley(corner, galley, tint.ink);
     }
 
     fn place(&self, area: Rect, [x, y]: &[f64; 2]) -> Pos2 {
@@ -269,6 +300,11 @@ mod tests {
         assert_eq!(signed.share(0.0), 0.5);
         assert!((signed.share(1e-2) + signed.share(-1e-2) - 1.0).abs() < 1e-6);
         assert!(signed.share(1e-2) > signed.share(1e-4) && signed.share(1e300) == 2.0);
+        for (axis, values) in [(linear, [0.5, 9.0]), (log, [1e-7, 0.3]), (signed, [-0.2, 20.0])] {
+            for value in values {
+                assert!((axis.value(axis.share(value)) / value - 1.0).abs() < 1e-4, "{axis:?}");
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use egui::{Grid, Ui};
 
 use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
-use super::drawing::{FigureCanvas, end, ends, wrapped};
+use super::drawing::{FigureCanvas, StageReach, end, ends, wrapped};
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
 use flipmap_pendulum::State;
@@ -44,10 +44,11 @@ impl LiveFigure for Double {
         let angle = self.0.now().angle.map(wrapped);
         let lengths = self.0.build.lengths_m();
         let reach = lengths[0] + lengths[1];
-        let (stage, response) = FigureCanvas::new(ui, size, reach, self.told());
+        let (stage, response) =
+            FigureCanvas::new(ui, size, StageReach::of_rods(reach), self.told());
         let [first, second] = ends(lengths, angle);
         let (faint, [one, two, three, _]) = (stage.tint.faint, stage.tint.parts);
-        stage.note("Both angles are from the vertical. Drag a bob, or the ring of an arc.");
+        stage.note(None, "Both angles are from the vertical. Drag a bob, or the ring of an arc.");
         // Arcs keep a least size where rods are short, so that their handles can be grabbed.
         let radius = (0.3 * lengths[0].min(lengths[1])).max(0.1 * reach);
         let handles = [end([0.0; 2], radius, angle[0]), end(first, radius, angle[1])];

@@ -16,6 +16,10 @@ const STEPS_A_SEC: f64 = 960.0;
 const TRAIL: usize = 480;
 /// Distance in points within which a handle can be grabbed.
 const HANDLE_POINTS: f32 = 12.0;
+/// Speed in m/s below which a bob that is let go is at rest.
+const LEAST_THROW: f64 = 0.3;
+/// Largest speed in rad/s of a throw.
+const FASTEST: f64 = 25.0;
 /// Number of steps between two points of the trail.
 const TRAIL_EVERY: u64 = 8;
 
@@ -101,8 +105,9 @@ impl DoublePendulumSimulation {
         self.clock.secs() + self.clock.share() * self.clock.step_secs
     }
 
-    /// Holds the bob nearest the pointer while it is dragged, then releases both from rest. A
-    /// handle, which turns the rod with the same index, takes precedence over the bobs.
+    /// Holds the bob nearest the pointer while it is dragged, then releases it with the pointer's
+    /// speed, and the other from rest. A handle, which turns the rod with the same index, takes
+    /// precedence over the bobs.
     pub(super) fn drag(
         &mut self,
         stage: &FigureCanvas,
@@ -110,7 +115,10 @@ impl DoublePendulumSimulation {
         handles: Option<[[f64; 2]; 2]>,
     ) {
         let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) else {
-            self.held = None;
+            if let Some(rod) = self.held.take() {
+                let velocity = response.ctx.input(|input| input.pointer.velocity());
+                self.throw(rod, stage.velocity(velocity));
+            }
             return;
         };
         let bobs = ends(self.build.lengths_m(), self.state.angle);
@@ -125,6 +133,19 @@ impl DoublePendulumSimulation {
         angle[rod] = angle_of([[0.0; 2], bobs[0]][rod], stage.place(at));
         self.release(State::rest(angle));
         self.held = Some(rod);
+    }
+
+    /// Releases the pendulum with one rod turning as a velocity in m/s of its end turns it; slower
+    /// than [`LEAST_THROW`] it is let go at rest.
+    fn throw(&mut self, rod: usize, velocity: [f64; 2]) {
+        let angle = self.state.angle;
+        let (sin, cos) = angle[rod].sin_cos();
+        let across = velocity[0] * cos + velocity[1] * sin;
+        let mut start = State::rest(angle);
+        if across.abs() >= LEAST_THROW {
+            start.speed[rod] = (across / self.build.lengths_m()[rod]).clamp(-FASTEST, FASTEST);
+        }
+        self.release(start);
     }
 
     /// Describes both angles in words.
@@ -177,5 +198,23 @@ mod tests {
         assert!(apart < 1e-12 && (often.secs() - 2.0).abs() < 1e-6);
         assert!((often.pendulum().energy(&often.state) / energy - 1.0).abs() < 1e-7);
         assert!(often.trail.len() > 200 && often.trail.len() <= TRAIL);
+    }
+
+    #[test]
+    fn a_thrown_bob_has_the_speed_of_the_pointer_across_its_rod() {
+        let mut simulation = DoublePendulumSimulation::from([0.5, 1.2]);
+        let along = |angle: f64| [angle.cos(), angle.sin()];
+        let [x, y] = along(1.2);
+        simulation.throw(1, [3.0 * x - 5.0 * y, 3.0 * y + 5.0 * x]);
+        assert!((simulation.start.speed[1] - 3.0).abs() < 1e-12, "{:?}", simulation.start);
+        assert_eq!((simulation.start.speed[0], simulation.start.angle), (0.0, [0.5, 1.2]));
+        // The end of the rod moves as it was thrown.
+        let before = ends([1.0; 2], simulation.state.angle)[1];
+        simulation.advance(1.0 / STEPS_A_SEC);
+        let after = ends([1.0; 2], simulation.state.angle)[1];
+        let speed = [0, 1].map(|i| (after[i] - before[i]) * STEPS_A_SEC);
+        assert!((speed[0] / x - 3.0).abs() < 0.1 && (speed[1] / y - 3.0).abs() < 0.1, "{speed:?}");
+        simulation.throw(0, [0.1, 0.0]);
+        assert_eq!(simulation.start.speed, [0.0; 2], "a slow hand lets go");
     }
 }

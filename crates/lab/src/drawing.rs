@@ -7,7 +7,8 @@ use egui::{
     WidgetInfo, vec2,
 };
 
-use super::labels::Taken;
+use super::formula::Formula;
+use super::labels::{LabelPlace, Taken};
 
 /// Background colour of a dark canvas.
 pub const CANVAS: Color32 = Color32::from_gray(24);
@@ -86,29 +87,47 @@ pub(crate) const SMALL: f32 = 12.0;
 /// Least height of a canvas in points.
 const LEAST_HEIGHT: f32 = 200.0;
 /// Margin in points around the reach of a pendulum, for its bobs.
-const RIM: f32 = 28.0;
+const RIM: f32 = 16.0;
+/// Width of the halo of labels in points.
+const HALO: f32 = 1.5;
+
+/// What a canvas has to show, in metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StageReach {
+    /// Distance of the farthest bob from the pivot.
+    pub rods_m: f64,
+    /// Length of what hangs from the farthest bob, such as an arrow.
+    pub below_m: f64,
+}
+
+impl StageReach {
+    /// The reach of rods with nothing below them.
+    pub(crate) fn of_rods(rods_m: f64) -> Self {
+        StageReach { rods_m, below_m: 0.0 }
+    }
+}
 
 impl FigureCanvas {
-    /// Creates a canvas of `size` points, or of the least height, that shows `reach_m` metres around the pivot; `told` is
-    /// its description for a screen reader. The canvas senses clicks and drags.
+    /// Creates a canvas of `size` points, or of the least height, that shows what is in `reach`;
+    /// `told` is its description for a screen reader. The canvas senses clicks and drags.
     pub(crate) fn new(
         ui: &mut Ui,
         size: Vec2,
-        reach_m: f64,
+        reach: StageReach,
         told: String,
     ) -> (FigureCanvas, Response) {
-        FigureCanvas::sensing(ui, size, reach_m, told, Sense::click_and_drag())
+        FigureCanvas::sensing(ui, size, reach, told, Sense::click_and_drag())
     }
 
     /// Creates a canvas that senses no clicks or drags.
-    pub(crate) fn seen(ui: &mut Ui, size: Vec2, reach_m: f64, told: String) -> FigureCanvas {
-        FigureCanvas::sensing(ui, size, reach_m, told, Sense::hover()).0
+    pub(crate) fn seen(ui: &mut Ui, size: Vec2, reach: StageReach, told: String) -> FigureCanvas {
+        FigureCanvas::sensing(ui, size, reach, told, Sense::hover()).0
     }
 
     fn sensing(
         ui: &mut Ui,
         size: Vec2,
-        reach_m: f64,
+        reach: StageReach,
         told: String,
         sense: Sense,
     ) -> (FigureCanvas, Response) {
@@ -120,9 +139,11 @@ impl FigureCanvas {
         if !tint.dark {
             painter.rect_filled(rect, 4.0, tint.ground);
         }
-        let half = 0.5 * size.min_elem();
-        let points_per_m = (half - RIM).max(0.6 * half) / reach_m as f32;
-        let (pivot, taken) = (rect.center(), Taken::default());
+        let [rods, below] = [reach.rods_m, reach.below_m].map(|m| m as f32);
+        let room = (size - Vec2::splat(2.0 * RIM)).max(0.6 * size);
+        let points_per_m = (room.x / (2.0 * rods)).min(room.y / (2.0 * rods + below));
+        let pivot = rect.center() - vec2(0.0, 0.5 * below * points_per_m);
+        let taken = Taken::default();
         (FigureCanvas { painter, rect, tint, pivot, points_per_m, taken }, response)
     }
 
@@ -135,6 +156,11 @@ impl FigureCanvas {
     pub(crate) fn place(&self, at: Pos2) -> [f64; 2] {
         let by = (at - self.pivot) / self.points_per_m;
         [f64::from(by.x), -f64::from(by.y)]
+    }
+
+    /// Returns a velocity in points per second in m/s.
+    pub(crate) fn velocity(&self, by: Vec2) -> [f64; 2] {
+        [by.x, -by.y].map(|points| f64::from(points / self.points_per_m))
     }
 
     /// Draws a rod from one place to another.
@@ -195,23 +221,42 @@ impl FigureCanvas {
             let along = angle as f32 * k as f32 / 24.0;
             center + radius * vec2((FRAC_PI_2 - along).cos(), (FRAC_PI_2 - along).sin())
         };
-        self.painter.add(Shape::line((0..=24).map(point).collect(), Stroke::new(1.5, colour)));
+        let points: Vec<Pos2> = (0..=24).map(point).collect();
+        points.windows(7).step_by(6).for_each(|piece| self.taken.line([piece[0], piece[6]]));
+        self.painter.add(Shape::line(points, Stroke::new(1.5, colour)));
     }
 
-    /// Writes words beside a place, to its right if that is free. Call it after drawing everything
-    /// that the words should not cover.
+    /// Writes words beside a place, to its right if that is free, with a halo, and with a line that
+    /// leads to the place where they are far from it. Call it after drawing everything that the words
+    /// should not cover.
     pub(crate) fn label(&self, at: [f64; 2], words: &str, colour: Color32) {
         let font = FontId::proportional(LETTER);
         let galley = self.painter.layout_no_wrap(words.to_string(), font, colour);
-        let place = self.taken.beside(self.at(at), galley.size(), self.rect.shrink(8.0));
-        self.painter.galley(place.min, galley, colour);
+        let LabelPlace { area, leader } =
+            self.taken.beside(self.at(at), galley.size(), self.rect.shrink(8.0));
+        if let Some(leader) = leader {
+            self.painter.line_segment(leader, Stroke::new(1.0, colour.gamma_multiply(0.6)));
+        }
+        for (x, y) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {
+            let corner = area.min + HALO * vec2(x as f32, y as f32);
+            let ground = self.tint.ground;
+            self.painter.galley_with_override_text_color(corner, galley.clone(), ground);
+        }
+        self.painter.galley(area.min, galley, colour);
     }
 
-    /// Writes words in the upper left corner.
-    pub(crate) fn note(&self, words: &str) {
-        let corner = self.rect.left_top() + vec2(8.0, 8.0);
-        let font = FontId::proportional(SMALL);
+    /// Writes a formula, and words below it, in the upper left corner.
+    pub(crate) fn note(&self, formula: Option<Formula>, words: &str) {
+        let mut corner = self.rect.left_top() + vec2(8.0, 8.0);
         let width = self.rect.width() - 16.0;
+        if let Some(formula) = formula {
+            let laid = formula.fitted(&self.painter, width, 1.2 * LETTER, self.tint.ink);
+            laid.draw(&self.painter, corner);
+            let size = vec2(laid.width, laid.height());
+            self.taken.words(Rect::from_min_size(corner, size));
+            corner.y += laid.height() + 8.0;
+        }
+        let font = FontId::proportional(SMALL);
         let galley = self.painter.layout(words.to_string(), font, self.tint.faint, width);
         self.taken.words(Rect::from_min_size(corner, galley.size()));
         self.painter.galley(corner, galley, self.tint.faint);

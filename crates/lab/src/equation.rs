@@ -1,258 +1,111 @@
-//! The matrix equation M α = τ in symbols, and with the numbers of a moment in their place.
+//! The matrix equation M α = τ in symbols, with the numbers of a moment, and with their values.
 
-use egui::text::{LayoutJob, TextFormat};
-use egui::{Color32, FontId};
-
-use super::drawing::{LETTER, Tint, wrapped};
-use flipmap_numbers::number_text::{brief, fixed};
-use flipmap_pendulum::State;
+use super::double_simulation::DoublePendulumSimulation;
+use super::drawing::Tint;
+use super::expression::{Expression, Filling, FormulaSymbol, Moment};
+use super::formula::{Fence, Formula};
+use flipmap_numbers::number_text::fixed;
 use flipmap_pendulum::pendulum::Equation;
-use flipmap_scene::{Kind, PendulumSpec};
+use flipmap_scene::Kind;
 
-/// The five different entries of the equation as formulas: M11, M12, M22, τ1 and τ2. A dot means
-/// multiplication, and Δ is θ1 − θ2.
-type Formulas = [&'static str; 5];
-
-/// The formulas for bobs on massless rods.
-const POINTS: Formulas = [
-    "(m1 + m2)·l1²",
-    "m2·l1·l2·cos Δ",
-    "m2·l2²",
-    "−m2·l1·l2·sin Δ·ω2² − (m1 + m2)·g·l1·sin θ1",
-    "m2·l1·l2·sin Δ·ω1² − m2·g·l2·sin θ2",
-];
-/// The formulas for uniform bars.
-const RODS: Formulas = [
-    "(m1/3 + m2)·l1²",
-    "m2·l1·l2/2·cos Δ",
-    "m2·l2²/3",
-    "−m2·l1·l2/2·sin Δ·ω2² − (m1/2 + m2)·g·l1·sin θ1",
-    "m2·l1·l2/2·sin Δ·ω1² − m2·g·l2/2·sin θ2",
-];
-
-/// The numbers that the symbols of a formula stand for.
-pub(super) struct Moment {
-    /// The pendulum.
-    pub build: PendulumSpec,
-    /// Its angles and speeds.
-    pub state: State<f64>,
-    /// Its accelerations in rad/s².
-    pub acceleration: [f64; 2],
+/// The entries of the equation.
+struct Entries {
+    /// M, row by row.
+    mass: [[Expression; 2]; 2],
+    /// τ.
+    torque: [Expression; 2],
 }
 
-impl Moment {
-    /// Returns the number that a symbol stands for.
-    fn value(&self, symbol: &str) -> f64 {
-        let State { angle, speed } = self.state;
-        let pair = match symbol.chars().next() {
-            Some('m') => self.build.masses_kg(),
-            Some('l') => self.build.lengths_m(),
-            Some('θ') => angle.map(wrapped),
-            Some('ω') => speed,
-            Some('α') => self.acceleration,
-            Some('Δ') => [wrapped(angle[0] - angle[1]); 2],
-            _ => [self.build.gravity.value(); 2],
-        };
-        pair[usize::from(symbol.ends_with('2'))]
+/// Returns the entries for bobs on massless rods, or for uniform bars, whose centres of mass and
+/// moments of inertia bring the divisors 2 and 3.
+fn entries(kind: Kind) -> Entries {
+    let [half, third] = match kind {
+        Kind::Points => [1, 1],
+        Kind::Rods => [2, 3],
+    };
+    let [m1, m2] = [0, 1].map(|bob| Expression::from(FormulaSymbol::Mass(bob)));
+    let [l1, l2] = [0, 1].map(|bob| Expression::from(FormulaSymbol::Length(bob)));
+    let [w1, w2] = [0, 1].map(|bob| Expression::from(FormulaSymbol::Speed(bob)));
+    let [sin1, sin2] = [0, 1].map(|bob| Expression::Sine(FormulaSymbol::Angle(bob)));
+    let (g, sine) =
+        (Expression::from(FormulaSymbol::Gravity), Expression::Sine(FormulaSymbol::Difference));
+    let cross = (m2.clone() * l1.clone() * l2.clone()).over(half);
+    let coupling = cross.clone() * Expression::Cosine(FormulaSymbol::Difference);
+    let all = |divisor| m1.clone().over(divisor) + m2.clone();
+    Entries {
+        mass: [
+            [all(third) * l1.clone().squared(), coupling.clone()],
+            [coupling, (m2.clone() * l2.clone().squared()).over(third)],
+        ],
+        torque: [
+            -(cross.clone() * sine.clone() * w2.squared()) - all(half) * g.clone() * l1 * sin1,
+            cross * sine * w1.squared() - (m2.clone() * g * l2).over(half) * sin2,
+        ],
     }
 }
 
-/// Splits a formula into symbols (true) and the text between them (false).
-fn pieces(formula: &str) -> Vec<(String, bool)> {
-    let mut pieces: Vec<(String, bool)> = Vec::new();
-    let mut letters = formula.chars().peekable();
-    while let Some(letter) = letters.next() {
-        let is_numbered = "mlθωα".contains(letter)
-            && letters.peek().is_some_and(|next| ['1', '2'].contains(next));
-        let mut piece = letter.to_string();
-        if is_numbered {
-            piece.extend(letters.next());
-        }
-        let is_symbol = is_numbered || "gΔ".contains(letter);
-        match pieces.last_mut() {
-            Some((text, false)) if !is_symbol => text.push(letter),
-            _ => pieces.push((piece, is_symbol)),
-        }
-    }
-    pieces
+/// Returns the equation at a simulation's current moment, as it is printed.
+pub(super) fn formula(simulation: &DoublePendulumSimulation, tint: &Tint) -> Formula {
+    let (build, state) = (simulation.build, simulation.now());
+    let moment = Moment { build, state, acceleration: build.pendulum().acceleration(&state) };
+    let Entries { mass, torque } = entries(build.kind);
+    let entry = |expression: &Expression| entry(expression, &moment, tint);
+    let mass = mass.each_ref().map(|row| row.each_ref().map(entry).to_vec());
+    let column = |entries: [Formula; 2]| Formula::Matrix(entries.map(|entry| vec![entry]).to_vec());
+    let alpha = [0, 1].map(|bob| {
+        let symbol = FormulaSymbol::Acceleration(bob);
+        // Its number is its value, so the line in between is empty.
+        let blank = Formula::text(" ", tint.ink);
+        Formula::Lines(vec![symbol.formula(tint), blank, value(symbol.value(&moment), tint)])
+    });
+    Formula::Row(vec![
+        Formula::Matrix(mass.to_vec()).fenced(Fence::Square),
+        column(alpha).fenced(Fence::Square),
+        Formula::text(" = ", tint.ink),
+        column(torque.each_ref().map(entry)).fenced(Fence::Square),
+    ])
 }
 
-/// What is written in the places of symbols.
-#[derive(Clone, Copy)]
-pub(super) enum Filling<'a> {
-    /// The symbols themselves.
-    Symbols,
-    /// The numbers of a moment.
-    Numbers(&'a Moment),
-    /// The widest numbers that are usual, so that columns keep their width while numbers change.
-    Widest(&'a Moment),
+/// Returns an entry in symbols, in numbers, and with its value.
+fn entry(expression: &Expression, moment: &Moment, tint: &Tint) -> Formula {
+    let written = |filling| Box::new(expression.formula(filling, tint));
+    let room = written(Filling::Widest(moment));
+    Formula::Lines(vec![
+        *written(Filling::Symbols),
+        Formula::Within { room, shown: written(Filling::Numbers(moment)) },
+        value(expression.value(moment), tint),
+    ])
 }
 
-/// Lays out a formula in the colours of its parts.
-fn written(formula: &str, filling: Filling, tint: &Tint) -> LayoutJob {
-    let mut job = LayoutJob::default();
-    for (piece, is_symbol) in pieces(formula) {
-        let colour = if is_symbol { part_colour(&piece, tint) } else { tint.ink };
-        let text = match filling {
-            Filling::Symbols => piece.replace('·', " "),
-            Filling::Widest(_) if is_symbol && moves(&piece) => "(−00.00)".to_string(),
-            Filling::Widest(moment) | Filling::Numbers(moment) if is_symbol => {
-                number_words(&piece, moment.value(&piece))
-            }
-            _ => piece,
-        };
-        let format = TextFormat::simple(FontId::proportional(LETTER), colour);
-        job.append(&text, 0.0, format);
-    }
-    job
+/// Returns a value after a sign of equality.
+fn value(value: f64, tint: &Tint) -> Formula {
+    let text = |number: &str| Box::new(Formula::text(format!("= {number}"), tint.ink));
+    Formula::Within { room: text("−000.000"), shown: text(&fixed(value, 3)) }
 }
 
-/// Returns the colour of the part that a symbol belongs to.
-fn part_colour(symbol: &str, tint: &Tint) -> Color32 {
-    match symbol.chars().last() {
-        Some('1') => tint.parts[0],
-        Some('2') => tint.parts[1],
-        Some('g') => tint.parts[2],
-        _ => tint.ink,
-    }
-}
-
-/// Returns true if a symbol's number changes in time.
-fn moves(symbol: &str) -> bool {
-    symbol.starts_with(['θ', 'ω', 'α', 'Δ'])
-}
-
-/// Formats a number that replaces a symbol.
-fn number_words(symbol: &str, value: f64) -> String {
-    let text = if moves(symbol) { fixed(value, 2) } else { brief(value) };
-    if text.starts_with('−') { format!("({text})") } else { text }
-}
-
-/// An entry of the equation, with its formula and its value.
-pub(super) struct Term {
-    formula: &'static str,
-    value: f64,
-}
-
-impl Term {
-    /// Returns the lines of the entry: symbols, numbers in their place, and the value. A sum takes a
-    /// line for each of its two parts if it is `broken`.
-    pub(super) fn lines(&self, filling: Filling, broken: bool, tint: &Tint) -> Vec<LayoutJob> {
-        let split = self.formula.find(" − ").filter(|_| broken);
-        let (first, second) = self.formula.split_at(split.unwrap_or(self.formula.len()));
-        let parts = [first, second.trim_start()];
-        let all = |filling| {
-            let parts = parts.into_iter().filter(|part| !part.is_empty());
-            parts.map(move |part| written(part, filling, tint))
-        };
-        let mut lines: Vec<LayoutJob> = all(Filling::Symbols).collect();
-        // The number in place of an acceleration's symbol is its value.
-        if !self.formula.starts_with('α') {
-            lines.extend(all(filling));
-        }
-        let value = match filling {
-            Filling::Widest(_) => "= −000.000".to_string(),
-            _ => format!("= {}", fixed(self.value, 3)),
-        };
-        let font = FontId::proportional(LETTER);
-        lines.push(LayoutJob::simple_singleline(value, font, tint.ink));
-        lines
-    }
-}
-
-/// Returns the entries of M, α and τ, row by row.
-pub(super) fn terms(
-    kind: Kind,
-    equation: &Equation<f64>,
-    acceleration: [f64; 2],
-) -> [[Term; 4]; 2] {
-    let Equation { mass, torque } = equation;
-    let [m11, m12, m22, tau1, tau2] = formulas(kind);
-    let rows = [
-        [(m11, mass[0][0]), (m12, mass[0][1]), ("α1", acceleration[0]), (tau1, torque[0])],
-        [(m12, mass[1][0]), (m22, mass[1][1]), ("α2", acceleration[1]), (tau2, torque[1])],
-    ];
-    rows.map(|row| row.map(|(formula, value)| Term { formula, value }))
+/// Returns M α = τ.
+pub(super) fn short(tint: &Tint) -> Formula {
+    let letter = |letter: &str| Formula::variable(letter, None, tint.ink);
+    let equals = Formula::text(" = ", tint.ink);
+    Formula::Row(vec![letter("M"), letter(" α"), equals, letter("τ")])
 }
 
 /// Describes the equation for a screen reader.
-pub(super) fn told(equation: &Equation<f64>, acceleration: [f64; 2]) -> String {
-    let Equation { mass: [[m11, m12], [m21, m22]], torque } = equation;
-    let [[m11, m12], [m21, m22]] = [[m11, m12], [m21, m22]].map(|row| row.map(|x| fixed(*x, 3)));
+pub(super) fn told(simulation: &DoublePendulumSimulation) -> String {
+    let (pendulum, state) = (simulation.pendulum(), simulation.now());
+    let Equation { mass: [[m11, m12], [m21, m22]], torque } = pendulum.equation(&state);
+    let [m11, m12, m21, m22] = [m11, m12, m21, m22].map(|x| fixed(x, 3));
     let [accelerations, torques] =
-        [acceleration, *torque].map(|pair| pair.map(|x| fixed(x, 3)).join(", "));
+        [pendulum.acceleration(&state), torque].map(|pair| pair.map(|x| fixed(x, 3)).join(", "));
     format!("M is {m11}, {m12}; {m21}, {m22}. Accelerations {accelerations}. Torques {torques}")
-}
-
-fn formulas(kind: Kind) -> Formulas {
-    match kind {
-        Kind::Points => POINTS,
-        Kind::Rods => RODS,
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Returns the value of a formula at a moment; the formula is a sum of products of powers.
-    fn value(formula: &str, moment: &Moment) -> f64 {
-        let mut text = String::new();
-        for (piece, is_symbol) in pieces(formula) {
-            match is_symbol {
-                true => text.push_str(&format!("{{{}}}", moment.value(&piece))),
-                false => text.push_str(&piece),
-            }
-        }
-        let mut sum = 0.0;
-        let mut sign = 1.0;
-        // The bracketed sum of masses is the only sum inside a product.
-        for part in
-            text.replace(" + m", "+m").split(' ').fold(vec![String::new()], |mut all, word| {
-                let depth = all.last().unwrap().matches('(').count()
-                    > all.last().unwrap().matches(')').count();
-                match word {
-                    "−" if !depth => all.extend(["−".to_string(), String::new()]),
-                    "+" if !depth => all.extend(["+".to_string(), String::new()]),
-                    word => *all.last_mut().unwrap() += &format!("{word} "),
-                }
-                all
-            })
-        {
-            match part.trim() {
-                "−" => sign = -1.0,
-                "+" => sign = 1.0,
-                product => sum += sign * product_value(product),
-            }
-        }
-        sum
-    }
-
-    fn product_value(text: &str) -> f64 {
-        let (sign, text) = text.strip_prefix('−').map_or((1.0, text), |rest| (-1.0, rest));
-        text.split('·').map(|factor| factor_value(factor.trim())).product::<f64>() * sign
-    }
-
-    fn factor_value(text: &str) -> f64 {
-        if let Some(inner) = text.strip_prefix('(') {
-            let inner = inner.trim_end_matches([')', ' ']);
-            return inner.split('+').map(|part| factor_value(part.trim())).sum();
-        }
-        let function = |name: &str| text.strip_prefix(name).map(|rest| factor_value(rest.trim()));
-        if let Some(angle) = function("sin ") {
-            return angle.sin();
-        }
-        if let Some(angle) = function("cos ") {
-            return angle.cos();
-        }
-        if let Some((whole, divisor)) = text.split_once('/') {
-            return factor_value(whole) / divisor.trim().parse::<f64>().unwrap();
-        }
-        if let Some(root) = text.strip_suffix('²') {
-            return factor_value(root).powi(2);
-        }
-        text.trim_matches(['{', '}']).parse().unwrap()
-    }
+    use egui::{Context, RawInput};
+    use flipmap_pendulum::State;
+    use flipmap_scene::PendulumSpec;
 
     #[test]
     fn the_formulas_are_the_equation_that_is_computed() {
@@ -261,28 +114,45 @@ mod tests {
             let build = PendulumSpec::new(kind, [1.5, 0.7], [0.8, 1.3], 9.81);
             let pendulum = build.pendulum();
             let moment = Moment { build, state, acceleration: pendulum.acceleration(&state) };
-            let Equation { mass, torque } = pendulum.equation(&state);
-            let known = [mass[0][0], mass[0][1], mass[1][1], torque[0], torque[1]];
-            for (formula, known) in formulas(kind).into_iter().zip(known) {
-                let value = value(formula, &moment);
+            let known = pendulum.equation(&state);
+            let Entries { mass, torque } = entries(kind);
+            let ours = mass.as_flattened().iter().chain(&torque);
+            let known = known.mass.as_flattened().iter().chain(&known.torque);
+            for (entry, known) in ours.zip(known) {
+                let value = entry.value(&moment);
                 assert!(
                     (value - known).abs() < 1e-9,
-                    "{kind:?}: {formula} is {value}, not {known}"
+                    "{kind:?}: {entry:?} is {value}, not {known}"
                 );
             }
         }
     }
 
+    /// Lays out the equation of a fast pendulum for a width, and returns its width and height.
+    fn size(kind: Kind, width: f32, speeds: [f64; 2]) -> [f32; 2] {
+        let mut simulation = DoublePendulumSimulation::from([2.0, 2.6]);
+        simulation.build.kind = kind;
+        simulation.release(State { angle: [-2.6, -1.7], speed: speeds });
+        let (ctx, mut size) = (Context::default(), [0.0; 2]);
+        crate::typeface::install(&ctx);
+        // Nothing draws the textures.
+        ctx.run_ui(RawInput::default(), |ui| {
+            let formula = formula(&simulation, &Tint::DARK);
+            let laid = formula.fitted(ui.painter(), width, 14.0, Tint::DARK.ink);
+            size = [laid.width, laid.height()];
+        })
+        .textures_delta
+        .clear();
+        size
+    }
+
     #[test]
-    fn numbers_take_the_places_and_the_colours_of_symbols() {
-        let state = State { angle: [0.5, 2.0], speed: [0.0, -1.0] };
-        let moment = Moment { build: PendulumSpec::default(), state, acceleration: [0.0; 2] };
-        let text = |filling| written("m2·l1²·sin Δ·ω2", filling, &Tint::DARK);
-        assert_eq!(text(Filling::Symbols).text, "m2 l1² sin Δ ω2");
-        let numbers = text(Filling::Numbers(&moment));
-        assert_eq!(numbers.text, "1·1²·sin (−1.50)·(−1.00)");
-        let colours: Vec<Color32> = numbers.sections.iter().map(|part| part.format.color).collect();
-        let (first, second, ink) = (Tint::DARK.parts[0], Tint::DARK.parts[1], Tint::DARK.ink);
-        assert_eq!(colours, [second, ink, first, ink, second]);
+    fn the_equation_fits_its_room_and_keeps_its_size_while_numbers_change() {
+        for kind in [Kind::Points, Kind::Rods] {
+            let [wide, narrow] = [900.0, 616.0].map(|width| size(kind, width, [-12.25, -31.5]));
+            assert!(wide[0] <= 900.0 && narrow[0] <= 616.0, "{wide:?} {narrow:?}");
+            assert!(narrow[1] < wide[1] && narrow[0] > 0.9 * 616.0, "it is scaled as a whole");
+            assert_eq!(wide, size(kind, 900.0, [0.0, 0.5]));
+        }
     }
 }

@@ -1,10 +1,12 @@
 //! Figure 2: a real pendulum against the ghost of the small-angle formula.
 
-use egui::{Grid, Ui, vec2};
+use egui::{Grid, Ui, Vec2};
 
+use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::{coloured_row, row};
-use super::drawing::{FigureCanvas, Tint, end};
+use super::drawing::{FigureCanvas, StageReach, Tint, end};
+use super::formula::{Fence, Formula};
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
@@ -42,6 +44,22 @@ impl Ghost {
 }
 
 impl Ghost {
+    /// Draws the pendulum and its ghost.
+    fn draw_both(&mut self, ui: &mut Ui, size: Vec2) {
+        let length = self.0.simple.length;
+        let (stage, response) =
+            FigureCanvas::new(ui, size, StageReach::of_rods(length), self.told());
+        let (faint, two) = (stage.tint.faint, stage.tint.parts[1]);
+        stage.note(Some(period(&stage.tint)), "grey: as if sin θ were θ. Drag the bob past 90°.");
+        let shadow = end([0.0; 2], length, self.ghost_angle());
+        stage.dashed([0.0; 2], shadow, faint);
+        stage.bob(shadow, 0.5 * self.0.mass, faint);
+        stage.rod([0.0; 2], self.0.bob(), stage.tint.ink);
+        stage.pivot();
+        stage.bob(self.0.bob(), self.0.mass, two);
+        self.0.drag(&stage, &response);
+    }
+
     /// Returns the ghost's current angle in rad.
     fn ghost_angle(&self) -> f64 {
         if self.0.held {
@@ -49,6 +67,27 @@ impl Ghost {
         }
         self.0.simple.ghost(self.0.amplitude, self.0.secs())
     }
+}
+
+/// Returns the exact period by the arithmetic-geometric mean, with the ghost's in grey.
+fn period(tint: &Tint) -> Formula {
+    let ink = |text: &str| Formula::text(text, tint.ink);
+    let ratio =
+        Formula::variable("r", None, tint.ink).over(Formula::variable("g", None, tint.parts[2]));
+    let amplitude = Formula::variable("θ", Some("0"), tint.parts[0]);
+    let half = amplitude.over(ink("2"));
+    let mean = Formula::Row(vec![
+        ink("agm "),
+        Formula::Row(vec![ink("1, cos "), half]).fenced(Fence::Round),
+    ]);
+    Formula::Row(vec![
+        Formula::variable("T", None, tint.parts[1]),
+        ink(" = "),
+        Formula::text("2π", tint.faint),
+        Formula::Root(Box::new(ratio)),
+        ink(" / "),
+        mean,
+    ])
 }
 
 impl LiveFigure for Ghost {
@@ -74,21 +113,16 @@ impl LiveFigure for Ghost {
         format!("After {secs} s: θ is {} rad, the ghost's {ghost}", fixed(self.0.angle(), 3))
     }
 
-    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let length = self.0.simple.length;
-        let upper = vec2(size.x, 0.62 * size.y);
-        let (stage, response) = FigureCanvas::new(ui, upper, length, self.told());
-        let (faint, two) = (stage.tint.faint, stage.tint.parts[1]);
-        stage.note("grey: as if sin θ were θ. Drag the bob past 90° and let go.");
-        let shadow = end([0.0; 2], length, self.ghost_angle());
-        stage.dashed([0.0; 2], shadow, faint);
-        stage.bob(shadow, 0.5 * self.0.mass, faint);
-        stage.rod([0.0; 2], self.0.bob(), stage.tint.ink);
-        stage.pivot();
-        stage.bob(self.0.bob(), self.0.mass, two);
-        self.0.drag(&stage, &response);
+    fn draw(&mut self, ui: &mut Ui, size: Vec2) {
+        let chart = self.chart(&Tint::of(ui));
         let told = "Period against amplitude, with the current one marked";
-        self.chart(&stage.tint).show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
+        Arrangement::of(size, 1).show(
+            ui,
+            |ui, size| self.draw_both(ui, size),
+            |ui, size| {
+                chart.show(ui, size, told);
+            },
+        );
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {

@@ -2,13 +2,14 @@
 
 use std::collections::VecDeque;
 
-use egui::{Color32, Grid, Ui, vec2};
+use egui::{Color32, Grid, Ui, Vec2};
 
+use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
 use super::controls::{coloured_row, number_on, thrown};
 use super::double_simulation::pendulum;
-use super::drawing::{FigureCanvas, Tint, ends, wrapped};
+use super::drawing::{FigureCanvas, StageReach, Tint, ends, wrapped};
 use super::sweep::Sweep;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{fixed, signed};
@@ -148,25 +149,33 @@ impl Integrators {
         }
     }
 
-    fn draw_run(&self, ui: &mut Ui, size: egui::Vec2, k: usize) {
-        let (run, (method, name)) = (&self.runs[k], Integrator::ALL[k]);
-        let stage = FigureCanvas::seen(ui, size, 2.0, format!("The pendulum of {name}"));
-        let (ink, colour) = (stage.tint.ink, method.colour(&stage.tint));
-        let [first, second] = ends([1.0, 1.0], run.drawn(self.clock.share()));
-        // The last point of the trail lies ahead of the drawn state.
-        let trail: Vec<_> = run.trail.iter().copied().collect();
-        let past = trail.len().saturating_sub(1);
-        stage.trail(&[&trail[..past], &[second]].concat(), colour);
-        stage.rod([0.0; 2], first, ink);
-        stage.rod(first, second, ink);
+    /// Draws the three pendulums over one another, each with its trail and its name.
+    fn draw_runs(&self, ui: &mut Ui, size: Vec2) {
+        let told = format!("Three pendulums. {}", self.told());
+        let stage = FigureCanvas::seen(ui, size, StageReach::of_rods(2.0), told);
+        let places =
+            self.runs.each_ref().map(|run| ends([1.0, 1.0], run.drawn(self.clock.share())));
+        let colours = Integrator::ALL.map(|(method, _)| method.colour(&stage.tint));
+        for (k, run) in self.runs.iter().enumerate() {
+            // The last point of the trail lies ahead of the drawn state.
+            let trail: Vec<_> = run.trail.iter().copied().collect();
+            let past = trail.len().saturating_sub(1);
+            stage.trail(&[&trail[..past], &[places[k][1]]].concat(), colours[k]);
+        }
+        for ([first, second], colour) in places.into_iter().zip(colours) {
+            stage.rod([0.0; 2], first, colour);
+            stage.rod(first, second, colour);
+            stage.bob(first, 0.4, colour);
+            stage.bob(second, 1.0, colour);
+        }
         stage.pivot();
-        stage.bob(first, 1.0, colour);
-        stage.bob(second, 1.0, colour);
-        stage.note(
-            &run.diverged_at.map_or(name.to_string(), |at| {
+        stage.note(None, "One start and one Δt: where the colours part, a method is wrong.");
+        for (k, (_, name)) in Integrator::ALL.into_iter().enumerate() {
+            let words = self.runs[k].diverged_at.map_or(name.to_string(), |at| {
                 format!("{name}: diverged at t = {} s", fixed(at, 2))
-            }),
-        );
+            });
+            stage.label(places[k][1], &words, colours[k]);
+        }
     }
 
     fn step(&mut self, secs: f64) {
@@ -241,18 +250,21 @@ impl LiveFigure for Integrators {
         words.collect::<Vec<_>>().join("; ")
     }
 
-    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let upper = vec2(size.x, 0.44 * size.y);
-        let third = vec2((size.x - 16.0) / 3.0, upper.y);
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 8.0;
-            (0..3).for_each(|k| self.draw_run(ui, third, k));
-        });
-        let (rest, tint) = (size.y - upper.y - 16.0, Tint::of(ui));
-        let told = "Relative energy error against time of the three integrators";
-        self.chart(&tint).show(ui, vec2(size.x, 0.58 * rest), told);
-        let told = "State error after one second against the step";
-        self.sweep.chart(&tint).show(ui, vec2(size.x, 0.42 * rest), told);
+    fn draw(&mut self, ui: &mut Ui, size: Vec2) {
+        let tint = Tint::of(ui);
+        let [errors, sweep] = [self.chart(&tint), self.sweep.chart(&tint)];
+        Arrangement::of(size, 2).show(
+            ui,
+            |ui, size| self.draw_runs(ui, size),
+            |ui, size| {
+                errors.show(
+                    ui,
+                    size,
+                    "Relative energy error against time of the three integrators",
+                );
+                sweep.show(ui, size, "State error after one second against the step");
+            },
+        );
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {

@@ -14,6 +14,7 @@
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 
+mod arrangement;
 pub mod chart;
 mod clock;
 mod colour_words;
@@ -22,25 +23,28 @@ mod double;
 mod double_simulation;
 pub mod drawing;
 mod equation;
+mod expression;
 mod figures;
 pub mod flips;
+mod formula;
 mod ghost;
 pub mod home;
 mod integrators;
 mod labels;
+pub mod lesson;
 mod machine;
 mod playing;
-mod sheet;
+mod predictions;
 mod single;
 mod single_simulation;
 pub mod still;
-pub mod story;
 mod sweep;
 mod twenty;
 pub mod typeface;
 
 use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};
+use lesson::Lesson;
 use playing::Playing;
 
 use flipmap_pendulum::State;
@@ -117,8 +121,8 @@ pub enum FigureRequest {
     ToMap(State<f64>),
     /// Shows another figure.
     Show(Figure),
-    /// Ends the story.
-    EndStory,
+    /// Ends the lesson.
+    EndLesson,
 }
 
 /// A figure that runs live and responds to the user.
@@ -155,12 +159,12 @@ pub struct Lab {
     pub playing: Playing,
     /// True if the lab is laid out for an audience: large, with few controls.
     pub projector: bool,
-    /// True if the story is shown beside the figures.
-    pub story: bool,
+    /// The lesson of questions beside the figures.
+    pub lesson: Lesson,
 }
 
 /// Range of the width of the controls in points.
-const CONTROLS_WIDTH: std::ops::RangeInclusive<f32> = 288.0..=408.0;
+const CONTROLS_WIDTH: std::ops::RangeInclusive<f32> = 312.0..=408.0;
 /// Width in points that a row needs beside its slider, for the name and the number.
 const BESIDE_SLIDER: f32 = 176.0;
 /// Range of the width of a slider in points.
@@ -178,7 +182,13 @@ impl Lab {
     /// Creates every figure in its initial state, and shows one.
     pub fn new(figure: Figure) -> Self {
         let live = ENTRIES.each_ref().map(|entry| (entry.begin)());
-        Lab { figure, live, playing: Playing::default(), projector: false, story: false }
+        Lab {
+            figure,
+            live,
+            playing: Playing::default(),
+            projector: false,
+            lesson: Lesson::default(),
+        }
     }
 
     /// Returns the figure that is shown, or `None` if that is the map.
@@ -214,11 +224,19 @@ impl Lab {
         self.figure = figure;
     }
 
+    /// Reveals the answer if the class has made its choice, otherwise plays or pauses the figure.
+    pub fn reveal_or_play(&mut self) {
+        match self.lesson.awaits_reveal() {
+            true => self.lesson.reveal(),
+            false => self.playing.paused ^= true,
+        }
+    }
+
     /// Shows the figure with its sentence above and the playback controls below. Its controls are
     /// beside it or, where that leaves too little room, below it; what is too high can be scrolled.
     pub fn show(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         let is_wide = ui.available_width() >= WIDE;
-        let has_side = self.story || !self.projector;
+        let has_side = self.lesson.is_on || !self.projector;
         ui.heading(self.figure.title());
         if is_wide {
             self.sentence(ui);
@@ -288,12 +306,9 @@ impl Lab {
         }
     }
 
-    /// Shows the story and the controls.
+    /// Shows the lesson's question and the controls.
     fn side(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
-        let told = if self.story { story::card(ui, self.figure) } else { None };
-        if told == Some(FigureRequest::EndStory) {
-            self.story = false;
-        }
+        let told = if self.lesson.is_on { self.lesson_card(ui) } else { None };
         if self.projector {
             return told;
         }
@@ -334,8 +349,11 @@ mod tests {
             shapes = shown.shapes;
         }
         let text = |clipped: &egui::epaint::ClippedShape| match &clipped.shape {
-            egui::Shape::Text(text) => {
-                let area = text.galley.rect.translate(text.pos.to_vec2());
+            // A halo has the words of its label.
+            egui::Shape::Text(text)
+                if text.override_text_color.is_none() && !text.galley.text().trim().is_empty() =>
+            {
+                let area = text.galley.mesh_bounds.translate(text.pos.to_vec2());
                 let seen = area.intersect(clipped.clip_rect).shrink(1.0);
                 Some((text.galley.text().to_string(), area, seen))
             }
@@ -344,22 +362,50 @@ mod tests {
         shapes.iter().filter_map(text).collect()
     }
 
+    /// Sizes of windows in points, down to 640 × 480 pixels at a scale of 2, up to 3840 × 2160.
+    const SIZES: [[f32; 2]; 8] = [
+        [320.0, 240.0],
+        [640.0, 360.0],
+        [640.0, 480.0],
+        [800.0, 500.0],
+        [1280.0, 360.0],
+        [1280.0, 800.0],
+        [1920.0, 1080.0],
+        [3840.0, 2160.0],
+    ];
+
     #[test]
-    fn in_a_small_window_nothing_covers_another_or_leaves_at_the_side() {
+    fn in_no_window_does_anything_cover_another_or_leave_at_the_side() {
         for figure in Figure::all().filter(|figure| *figure != Figure::Map) {
-            for size in [[640.0, 360.0], [640.0, 480.0], [1280.0, 360.0], [1280.0, 800.0]] {
+            for (k, size) in SIZES.into_iter().enumerate() {
                 let mut lab = Lab::new(figure);
-                (0..80).for_each(|_| lab.advance(0.05));
-                let texts = texts(&mut lab, size.into());
-                assert!(texts.len() > 8, "{figure:?}");
-                for (k, (words, area, seen)) in texts.iter().enumerate() {
-                    let place = format!("{figure:?} at {size:?}: '{words}' at {area:?}");
-                    assert!(area.left() >= 0.0 && area.right() <= size[0], "{place}");
-                    let covers = |other: &egui::Rect| seen.intersect(*other).is_positive();
-                    let covered = texts[..k].iter().find(|(_, _, other)| covers(other));
-                    assert!(covered.is_none(), "{place} covers {covered:?}");
-                }
+                lab.projector = k % 2 == 1;
+                (0..40 * k).for_each(|_| lab.advance(0.05));
+                apart(&texts(&mut lab, size.into()), size, &format!("{figure:?}"));
             }
+        }
+    }
+
+    #[test]
+    fn the_lesson_fits_beside_every_figure() {
+        for figure in Figure::all().filter(|figure| *figure != Figure::Map) {
+            for size in [[640.0, 480.0], [1280.0, 800.0]] {
+                let mut lab = Lab::new(figure);
+                lab.toggle_lesson(true);
+                apart(&texts(&mut lab, size.into()), size, &format!("{figure:?}"));
+            }
+        }
+    }
+
+    /// Checks that no text covers another, and that none leaves a window at its sides.
+    fn apart(texts: &[(String, egui::Rect, egui::Rect)], size: [f32; 2], name: &str) {
+        assert!(texts.len() > 5, "{name}");
+        for (k, (words, area, seen)) in texts.iter().enumerate() {
+            let place = format!("{name} at {size:?}: '{words}' at {area:?}");
+            assert!(area.left() >= 0.0 && area.right() <= size[0], "{place}");
+            let covers = |other: &egui::Rect| seen.intersect(*other).is_positive();
+            let covered = texts[..k].iter().find(|(_, _, other)| covers(other));
+            assert!(covered.is_none(), "{place} covers {covered:?}");
         }
     }
 

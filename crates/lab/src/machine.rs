@@ -4,8 +4,8 @@ use egui::{Grid, ProgressBar, Ui, vec2};
 
 use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
-use super::drawing::FigureCanvas;
-use super::sheet::Sheet;
+use super::drawing::{FigureCanvas, LETTER, StageReach, Tint};
+use super::equation;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{fixed, signed};
 use flipmap_pendulum::State;
@@ -42,18 +42,18 @@ impl LiveFigure for MachineFigure {
     }
 
     fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let sheet = Sheet::new(ui, size.x, &self.0);
-        let upper = vec2(size.x, size.y - sheet.size.y - 16.0);
-        let reach = self.0.build.lengths_m().iter().sum::<f64>();
+        let tint = Tint::of(ui);
+        let formula = equation::formula(&self.0, &tint);
+        let high = formula.fitted(ui.painter(), size.x, LETTER, tint.ink).height();
+        let upper = vec2(size.x, size.y - high - 16.0);
+        let reach = StageReach::of_rods(self.0.build.lengths_m().iter().sum::<f64>());
         let (stage, response) = FigureCanvas::new(ui, upper, reach, self.told());
         self.0.draw(&stage);
-        stage.note(
-            "M α = τ, with Δ = θ1 − θ2. Drag either bob to aim it again; let go and it falls from \
-             rest.",
-        );
+        let words = "with Δ = θ1 − θ2. Drag either bob to aim it again, or throw it.";
+        stage.note(Some(equation::short(&tint)), words);
         self.0.drag(&stage, &response, None);
         ui.add_space(8.0);
-        sheet.show(ui, size.x);
+        formula.show(ui, size.x, LETTER, &equation::told(&self.0));
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {

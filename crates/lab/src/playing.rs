@@ -21,8 +21,11 @@ pub struct Playing {
 }
 
 /// Speeds in simulated seconds per second, each with its name.
-pub(crate) const SPEEDS: [(f64, &str); 4] =
-    [(0.1, "1/10"), (0.25, "1/4"), (0.5, "1/2"), (1.0, "1")];
+pub(crate) const SPEEDS: [(f64, &str); 5] =
+    [(0.01, "1/100"), (0.1, "1/10"), (0.25, "1/4"), (0.5, "1/2"), (1.0, "1")];
+/// Width in points that the buttons of the speeds need beside the slider; keys change the speed
+/// without them.
+const SPEEDS_WIDTH: f32 = 400.0;
 /// Longest piece of time in s by which a figure is advanced when it is run again.
 const PIECE_SECS: f64 = 0.05;
 /// Longest time that a frame may spend on running a figure again.
@@ -95,25 +98,30 @@ impl Playing {
             if ui.button(if self.paused { "Play" } else { "Pause" }).clicked() {
                 self.paused = !self.paused;
             }
-            if ui.button("From the start").clicked() {
+            if ui.button("Restart").clicked() {
                 self.goal_secs = None;
                 live.restart();
             }
-            if !briefly {
-                ui.label("Speed");
-                for (speed, name) in SPEEDS {
-                    ui.selectable_value(&mut self.speed, speed, name);
-                }
+            if !briefly && ui.available_width() >= SPEEDS_WIDTH {
+                self.speeds(ui);
             }
             self.scrubber(ui, live.secs());
         });
+    }
+
+    /// Shows a button for every speed.
+    fn speeds(&mut self, ui: &mut Ui) {
+        ui.label("Speed");
+        for (speed, name) in SPEEDS {
+            ui.selectable_value(&mut self.speed, speed, name);
+        }
     }
 
     fn scrubber(&mut self, ui: &mut Ui, now_secs: f64) {
         let mut secs = self.held_at.or(self.goal_secs).unwrap_or(now_secs);
         let range = 0.0..=RANGE_SECS * (secs / RANGE_SECS).ceil().max(1.0);
         let name = ui.label("Time");
-        ui.spacing_mut().slider_width = (ui.available_width() - 90.0).max(40.0);
+        ui.spacing_mut().slider_width = (ui.available_width() - 90.0).max(20.0);
         let slider = ui.add(Slider::new(&mut secs, range).show_value(false));
         let slider = slider.labelled_by(name.id);
         if slider.changed() {
@@ -163,7 +171,7 @@ mod tests {
         lab.playing.shift_speed(-2);
         assert!((secs(&mut lab) - 0.25).abs() < 1e-6);
         lab.playing.shift_speed(-9);
-        assert!((secs(&mut lab) - 0.1).abs() < 1e-6);
+        assert!((secs(&mut lab) - 0.01).abs() < 1e-6);
         lab.playing.paused = true;
         assert!(secs(&mut lab) == 0.0 && !lab.playing.is_moving());
         lab.playing.shift_speed(9);

@@ -1,10 +1,12 @@
 //! Figure 1: the single pendulum with its parts labelled.
 
-use egui::{Grid, Ui, Vec2, vec2};
+use egui::{Grid, Ui, Vec2};
 
+use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::row;
-use super::drawing::{FigureCanvas, Tint, end};
+use super::drawing::{FigureCanvas, StageReach, Tint, end};
+use super::formula::Formula;
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
@@ -84,10 +86,11 @@ impl Single {
     /// Draws the pendulum with its parts named.
     fn draw_parts(&mut self, ui: &mut Ui, size: Vec2) {
         let (bob, length, angle) = (self.0.bob(), self.0.simple.length, self.0.angle());
-        let (stage, response) = FigureCanvas::new(ui, size, (1.0 + WEIGHT) * length, self.told());
+        let reach = StageReach { rods_m: length, below_m: WEIGHT * length };
+        let (stage, response) = FigureCanvas::new(ui, size, reach, self.told());
         let (ink, faint, [one, two, three, _]) =
             (stage.tint.ink, stage.tint.faint, stage.tint.parts);
-        stage.note("α = −(g/r) sin θ: the mass cancels. Drag the bob.");
+        stage.note(Some(equation(&stage.tint)), "The mass cancels. Drag the bob.");
         let tip = [bob[0], bob[1] - WEIGHT * length];
         stage.dashed([0.0; 2], [0.0, -0.6 * length], faint);
         stage.arc([0.0; 2], angle, 0.35 * length, one);
@@ -104,6 +107,20 @@ impl Single {
         stage.label([0.0; 2], "pivot", faint);
         self.0.drag(&stage, &response);
     }
+}
+
+/// Returns the equation of motion, each symbol in the colour of its part.
+fn equation(tint: &Tint) -> Formula {
+    let [one, _, three, _] = tint.parts;
+    let ink = |text: &str| Formula::text(text, tint.ink);
+    let ratio = Formula::variable("g", None, three).over(Formula::variable("r", None, tint.ink));
+    Formula::Row(vec![
+        Formula::variable("α", None, one),
+        ink(" = −"),
+        ratio,
+        ink(" sin "),
+        Formula::variable("θ", None, one),
+    ])
 }
 
 impl LiveFigure for Single {
@@ -128,16 +145,17 @@ impl LiveFigure for Single {
     }
 
     fn draw(&mut self, ui: &mut Ui, size: Vec2) {
-        let lower = vec2(0.5 * size.x - 4.0, 0.38 * size.y);
-        self.draw_parts(ui, vec2(size.x, size.y - lower.y - 8.0));
         let tint = Tint::of(ui);
-        ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 8.0;
-            let told = "Kinetic and potential energy and their sum against time";
-            self.energy_chart(&tint).show(ui, lower, told);
-            let told = "Phase plot: speed against angle, with the current state marked";
-            self.phase_chart(&tint).show(ui, lower, told);
-        });
+        let [energy, phase] = [self.energy_chart(&tint), self.phase_chart(&tint)];
+        Arrangement::of(size, 2).show(
+            ui,
+            |ui, size| self.draw_parts(ui, size),
+            |ui, size| {
+                energy.show(ui, size, "Kinetic and potential energy and their sum against time");
+                let told = "Phase plot: speed against angle, with the current state marked";
+                phase.show(ui, size, told);
+            },
+        );
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {

@@ -1,12 +1,14 @@
 //! Figure 6: pendulums a hair apart, drawn together until they fan out.
 
-use egui::{Color32, Grid, Pos2, Stroke, Ui, vec2};
+use egui::{Color32, Grid, Pos2, Stroke, Ui, Vec2};
 
+use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
 use super::controls::{number_on, row, thrown};
 use super::double_simulation::pendulum;
-use super::drawing::{FigureCanvas, Tint, ends};
+use super::drawing::{FigureCanvas, StageReach, Tint, ends};
+use super::formula::Formula;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::Dd;
 use flipmap_numbers::number_text::{brief, fixed, significant};
@@ -95,6 +97,20 @@ impl Twenty {
         (self.tolerance_rad / self.precision_rad).ln() / rate_per_sec
     }
 
+    /// Draws all pendulums.
+    fn draw_fan(&self, ui: &mut Ui, size: Vec2) {
+        let stage = FigureCanvas::seen(ui, size, StageReach::of_rods(2.0), self.told());
+        let bobs = |state: &State<f64>| ends([1.0, 1.0], state.angle).map(|bob| stage.at(bob));
+        let places: Vec<[Pos2; 2]> = self.states.iter().map(bobs).collect();
+        let drawn = distinct(&places);
+        for &k in &drawn {
+            draw_glowing(&stage, places[k], shade(k, self.count, &stage.tint), drawn.len());
+        }
+        stage.pivot();
+        let words = "All of them are drawn: at first they look like one.";
+        stage.note(Some(climb(&stage.tint)), words);
+    }
+
     fn chart(&self, tint: &Tint) -> Chart {
         let points = self.readings.iter().map(|r| [r.secs, r.separation_rad]).collect();
         let end = self.clock.secs().max(10.0);
@@ -153,6 +169,18 @@ fn draw_glowing(stage: &FigureCanvas, [first, second]: [Pos2; 2], colour: Color3
     }
 }
 
+/// Returns the law by which small separations δ grow.
+fn climb(tint: &Tint) -> Formula {
+    let ink = |text: &str| Formula::text(text, tint.ink);
+    let delta = |index: Option<&str>| Formula::variable("δ", index, tint.parts[1]);
+    Formula::Row(vec![
+        delta(None),
+        ink(" ≈ "),
+        delta(Some("0")),
+        ink("e").with_exponent("λ t", tint.ink),
+    ])
+}
+
 /// Describes a growth by the time in which the separation is multiplied by e.
 fn growth_words(growth: &Growth) -> String {
     let secs = 1.0 / growth.rate_per_sec;
@@ -192,19 +220,16 @@ impl LiveFigure for Twenty {
         format!("{} pendulums after {secs} s, {} rad apart", self.count, brief(apart))
     }
 
-    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let upper = vec2(size.x, 0.62 * size.y);
-        let stage = FigureCanvas::seen(ui, upper, 2.0, self.told());
-        let bobs = |state: &State<f64>| ends([1.0, 1.0], state.angle).map(|bob| stage.at(bob));
-        let places: Vec<[Pos2; 2]> = self.states.iter().map(bobs).collect();
-        let drawn = distinct(&places);
-        for &k in &drawn {
-            draw_glowing(&stage, places[k], shade(k, self.count, &stage.tint), drawn.len());
-        }
-        stage.pivot();
-        stage.note("All of them are drawn: at first they look like one.");
+    fn draw(&mut self, ui: &mut Ui, size: Vec2) {
+        let chart = self.chart(&Tint::of(ui));
         let told = "Separation of the first and the last pendulum against time";
-        self.chart(&stage.tint).show(ui, vec2(size.x, size.y - upper.y - 8.0), told);
+        Arrangement::of(size, 1).show(
+            ui,
+            |ui, size| self.draw_fan(ui, size),
+            |ui, size| {
+                chart.show(ui, size, told);
+            },
+        );
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {

@@ -72,8 +72,8 @@ pub enum LabAction {
     ShiftSpeed(isize),
     /// Switches the lab between its usual look and a large one with few controls for an audience.
     Projector,
-    /// Tells the story of the figures from its beginning, or ends it.
-    Story,
+    /// Begins the lesson of the figures, or ends it.
+    Lesson,
     /// Shows the figure before (−1) or after (1) the one that is shown.
     Step(isize),
 }

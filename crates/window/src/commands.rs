@@ -189,7 +189,7 @@ fn teaching() -> Vec<Command> {
         command(figure.title(), [key(PLAIN, figure.key())], Action::Lab(Some(figure)))
     });
     let others = [
-        command("Story of the figures", [], lab(LabAction::Story)),
+        command("Lesson of the seven figures", [], lab(LabAction::Lesson)),
         command("Next figure", [key(PLAIN, Key::PageDown)], lab(LabAction::Step(1))),
         command("Previous figure", [key(PLAIN, Key::PageUp)], lab(LabAction::Step(-1))),
         command("Figure slower", [key(PLAIN, Key::Comma)], lab(LabAction::ShiftSpeed(-1))),

@@ -12,7 +12,7 @@ use super::panels::meant;
 use super::reach::Reach;
 use super::settings::Settings;
 use flipmap_lab::flips::explain;
-use flipmap_lab::{Figure, FigureRequest, story};
+use flipmap_lab::{Figure, FigureRequest};
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::State;
 use flipmap_scene::{PendulumSpec, Plane, Scene};
@@ -46,9 +46,10 @@ impl AppModel {
         Settings::within_ui_scales(self.state.look.ui_scale * factor)
     }
 
-    /// Plays or pauses the figure that hides the map, otherwise what flies on the map.
+    /// Reveals the answer of the lesson if it awaits that; otherwise plays or pauses the figure that
+    /// hides the map, or what flies on the map.
     pub(super) fn play_or_pause(&mut self) {
-        match self.lab_hides_map() {
+        match self.lab_hides_map() || self.state.shown.lab && self.lab.lesson.awaits_reveal() {
             true => self.in_lab(LabAction::PlayPause),
             false => self.state.play_or_pause(),
         }
@@ -67,16 +68,16 @@ impl AppModel {
     pub(super) fn in_lab(&mut self, action: LabAction) {
         let lab = &mut self.lab;
         match action {
-            LabAction::PlayPause => lab.playing.paused ^= true,
+            LabAction::PlayPause => lab.reveal_or_play(),
             LabAction::ShiftSpeed(by) => lab.playing.shift_speed(by),
             LabAction::Projector => {
                 // The projector mode is part of the lab, so the lab is opened if the map is shown.
                 lab.projector = !(lab.projector && self.state.shown.lab);
                 self.show_figure(Some(self.lab.figure));
             }
-            LabAction::Story => {
-                lab.story = !(lab.story && self.state.shown.lab);
-                if lab.story {
+            LabAction::Lesson => {
+                lab.toggle_lesson(!(lab.lesson.is_on && self.state.shown.lab));
+                if lab.lesson.is_on {
                     self.show_figure(Some(Figure::Single));
                 }
             }
@@ -93,7 +94,10 @@ impl AppModel {
         self.state.shown.lab = figure.is_some();
         match figure {
             Some(figure) => self.lab.show_figure(figure),
-            None => (self.lab.projector, self.lab.story) = (false, false),
+            None => {
+                self.lab.projector = false;
+                self.lab.toggle_lesson(false);
+            }
         }
         if self.lab_hides_map() {
             self.compute.rest();
@@ -130,8 +134,8 @@ impl AppModel {
                 }
             }
             ui.separator();
-            if ui.selectable_label(self.lab.story, "Story").clicked() {
-                actions.push(Action::InLab(LabAction::Story));
+            if ui.selectable_label(self.lab.lesson.is_on, "Lesson").clicked() {
+                actions.push(Action::InLab(LabAction::Lesson));
             }
             if ui.button("Projector").on_hover_text("Large, with few controls (F10)").clicked() {
                 actions.push(Action::InLab(LabAction::Projector));
@@ -156,8 +160,8 @@ impl AppModel {
         actions
     }
 
-    /// Shows the explanation of the map over its upper left corner, and the story's card while the
-    /// story is on.
+    /// Shows the explanation of the map over its upper left corner, and the lesson's card while the
+    /// lesson is on.
     pub(super) fn explanation(&mut self, ctx: &egui::Context) -> Vec<Action> {
         let seen = self.in_view.seen(&self.state.screen(), &mut self.compute.explorer);
         let mut actions = Vec::new();
@@ -165,11 +169,8 @@ impl AppModel {
         let most = (ctx.content_rect().height() - 140.0).max(100.0);
         window.anchor(Align2::LEFT_TOP, vec2(8.0, 48.0)).resizable(false).show(ctx, |ui| {
             ScrollArea::vertical().max_height(most).show(ui, |ui| {
-                if self.lab.story {
-                    match story::card(ui, Figure::Map) {
-                        Some(FigureRequest::EndStory) => self.lab.story = false,
-                        request => actions.extend(request.and_then(action_for)),
-                    }
+                if self.lab.lesson.is_on {
+                    actions.extend(self.lab.lesson_card(ui).and_then(action_for));
                 }
                 ui.label(Figure::Map.sentence());
                 if let Some(kind) = explain(ui, &self.state.document(), &seen) {
@@ -201,11 +202,11 @@ impl AppModel {
     }
 }
 
-/// Returns the action that a figure's request asks for; the end of the story needs none.
+/// Returns the action that a figure's request asks for; the end of the lesson needs none.
 fn action_for(request: FigureRequest) -> Option<Action> {
     match request {
         FigureRequest::ToMap(start) => Some(Action::FromLab(start)),
         FigureRequest::Show(figure) => Some(Action::Lab(Some(figure))),
-        FigureRequest::EndStory => None,
+        FigureRequest::EndLesson => None,
     }
 }
