@@ -36,6 +36,9 @@ palettes! {
 /// The page that shows a pyramid of tiles: a minijinja template.
 pub const PYRAMID_PAGE: &str = include_str!("pyramid/index.html");
 
+/// The lesson as a page to print: a minijinja template.
+pub const LESSON_SHEET: &str = include_str!("lesson/sheet.html");
+
 /// Greek letters and the signs of powers of ten from Fira Sans Light, made by `scripts/greek-face`.
 pub const GREEK_FACE: &[u8] = include_bytes!("faces/greek.ttf");
 

@@ -1,12 +1,14 @@
-//! `flipmap lab`: writes a figure of the lesson as a still or as data.
+//! `flipmap lab`: writes a figure of the lesson as a still or as data, or the lesson as a sheet to
+//! print.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
 use flipmap_lab::home::home_map;
+use flipmap_lab::sheet::sheet;
 use flipmap_lab::still::{Still, draw, still};
-use flipmap_lab::{Figure, Lab, flips};
+use flipmap_lab::{Figure, Lab, Theme, flips};
 use flipmap_render::output::{PICTURES, PictureFile};
 use flipmap_scene::not_among;
 
@@ -18,10 +20,11 @@ use super::suggested::Suggested;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// Name of the figure: single, ghost, double, machine, integrators, twenty or map
-    #[arg(hide_possible_values = true, value_parser = Suggested(Figure::names()))]
+    /// Name of the figure: single, ghost, double, machine, integrators, twenty or map; or sheet, the
+    /// whole lesson to print
+    #[arg(hide_possible_values = true, value_parser = Suggested(names()))]
     name: Option<String>,
-    /// Picture of the figure to write (- for standard output)
+    /// Picture of the figure to write, or the sheet as .html (- for standard output)
     #[arg(short, long, value_name = "STILL.png")]
     output: Option<PathBuf>,
     /// Data of the figure to write (- for standard output)
@@ -38,10 +41,21 @@ pub(super) struct Options {
 /// Maximum seconds for which a figure may be followed.
 const MAX_SECS: f64 = 600.0;
 
+/// Name of the lesson's sheet.
+const SHEET: &str = "sheet";
+
+/// Returns everything that can be named.
+fn names() -> Vec<&'static str> {
+    [&Figure::names()[..], &[SHEET]].concat()
+}
+
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let name = options.name.as_deref().unwrap_or_default();
+    if name == SHEET {
+        return print_sheet(options);
+    }
     let figure = Figure::named(name).ok_or_else(|| {
-        let allowed = not_among("figures", &Figure::names(), name);
+        let allowed = not_among("figures", &names(), name);
         Exit::Usage(match &options.name {
             Some(name) => format!("there is no figure called '{name}'; {allowed}"),
             None => format!("name a figure; {allowed}"),
@@ -72,7 +86,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         super::write_whole(path, "--csv", live.csv(secs).as_bytes())?;
     }
     if let Some(path) = &options.output {
-        write(path, &still(&mut lab, size, secs)?)?;
+        write(path, &still(&mut lab, size, secs, Theme::Dark)?)?;
     }
     Ok(())
 }
@@ -85,13 +99,25 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
     }
     if let Some(path) = &options.output {
         let mut texture = None;
-        let still = draw(size, |ui| {
+        let still = draw(size, Theme::Dark, |ui| {
             let texture = texture.get_or_insert_with(|| map.texture(ui.ctx()));
             flips::show(ui, texture, &map.document, &map.seen);
         })?;
         write(path, &still)?;
     }
     Ok(())
+}
+
+/// Writes the lesson as a page to print.
+fn print_sheet(options: &Options) -> anyhow::Result<()> {
+    let Some(path) = options.output.as_deref().filter(|_| options.csv.is_none()) else {
+        let message = "the sheet is a page: give -o SHEET.html and no --csv";
+        return Err(Exit::Usage(message.to_string()).into());
+    };
+    super::check_name(path, "-o", &["html"])?;
+    super::check(path, "-o")?;
+    let page = sheet(&home_map(MAP_SIDE)?)?;
+    super::write_whole(path, "-o", page.as_bytes())
 }
 
 /// Number of pixels along each side of the small map.

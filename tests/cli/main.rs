@@ -345,6 +345,31 @@ fn figures_of_the_lesson_are_data_and_a_wrong_name_lists_them() {
 }
 
 #[test]
+fn the_lesson_is_printed_with_its_figures_and_the_answers_last() {
+    let folder = folder();
+    for (bad, words) in [
+        (&["lab", "sheet"][..], "give -o SHEET.html"),
+        (&["lab", "sheet", "--csv", "a.csv"], "give -o SHEET.html"),
+        (&["lab", "sheet", "-o", "a.png"], ".html"),
+    ] {
+        let output = flipmap(&folder, bad);
+        assert_eq!(output.status.code(), Some(2), "{bad:?}");
+        assert!(error_of(&output).contains(words), "{}", error_of(&output));
+    }
+    let output = flipmap(&folder, &["lab", "sheet", "-o", "lesson.html"]);
+    if has_no_adapter(&output) {
+        return;
+    }
+    assert!(output.status.success(), "{}", error_of(&output));
+    let page = fs::read_to_string(folder.path().join("lesson.html")).unwrap();
+    assert_eq!(page.matches("src=\"data:image/png;base64,iVBOR").count(), 7);
+    let (questions, answers) = page.split_once("<h2>Answers</h2>").unwrap();
+    assert_eq!(questions.matches("<div>Because</div>").count(), 19);
+    let why = "The mass stands on both sides of the equation";
+    assert!(!questions.contains(why) && answers.contains(why));
+}
+
+#[test]
 fn standard_output_takes_one_output() {
     let folder = folder();
     let draw = ["render", "--engine", "cpu", "--size", "16x16", "--budget", "1"];

@@ -244,6 +244,49 @@ fn the_lesson_goes_through_the_questions_of_a_figure_and_on() {
 }
 
 #[test]
+fn time_is_reversed_and_a_twin_has_one_difference() {
+    let mut harness = figure(Figure::Double, 0.0);
+    let lab = &mut harness.state_mut().lab;
+    lab.playing.paused = true;
+    lab.open(Figure::Double, State::rest([2.2, 2.5]));
+    (0..200).for_each(|_| lab.live().unwrap().advance(0.1));
+    harness.run_steps(2);
+    harness.get_by_label("Turn all speeds round").click();
+    harness.run_steps(2);
+    harness.get_by_label_contains("RK4 in steps of 1/120 s is lost");
+    let lab = &mut harness.state_mut().lab;
+    (0..300).for_each(|_| lab.live().unwrap().advance(0.1));
+    assert!((lab.live().unwrap().secs() - 40.0).abs() < 0.1, "it ends where it began");
+    assert!(lab.live().unwrap().told().contains("20.00 s after the turn"));
+    harness.run_steps(2);
+    harness.get_by_label("Forward again").click();
+    harness.run_steps(2);
+    harness.get_by_label("A twin beside it").click();
+    harness.run_steps(2);
+    let lab = &mut harness.state_mut().lab;
+    (0..20).for_each(|_| lab.live().unwrap().advance(0.1));
+    harness.run_steps(2);
+    let told = |harness: &Harness<'_, Shown>| {
+        harness.query_all_by_label_contains("θ1 is").map(|node| format!("{node:?}")).count()
+    };
+    assert_eq!(told(&harness), 2, "two pendulums are drawn");
+    harness.get_by_label("A twin beside it").click();
+    harness.run_steps(2);
+    assert_eq!(told(&harness), 1);
+}
+
+#[test]
+fn a_chart_shows_any_quantity_against_any() {
+    let mut harness = figure(Figure::Double, 3.0);
+    harness.get_by_label("Chart of angle θ2, rad against angle θ1, rad");
+    harness.get_by_role_and_label(Role::ComboBox, "Up").click();
+    harness.run_steps(2);
+    harness.get_by_label("tension of rod 1, N").click();
+    harness.run_steps(2);
+    harness.get_by_label("Chart of tension of rod 1, N against angle θ1, rad");
+}
+
+#[test]
 fn a_step_that_is_too_long_says_so() {
     let mut harness = figure(Figure::Integrators, 0.0);
     harness.state_mut().lab.open(Figure::Integrators, State::rest([2.9, 2.9]));

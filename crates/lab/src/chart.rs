@@ -62,7 +62,7 @@ pub struct Chart {
 }
 
 /// Space for the numbers and names to the left of the chart and below it, in points.
-const MARGIN: Vec2 = vec2(48.0, 32.0);
+const MARGIN: Vec2 = vec2(48.0, 36.0);
 /// Least width and height of a chart with its margins, in points.
 const LEAST: Vec2 = vec2(160.0, 136.0);
 /// Height of a row of the legend above the chart, in points.
@@ -86,6 +86,42 @@ impl ChartAxis {
     /// Creates an axis with its name, range and scale.
     pub fn new(name: &str, range: RangeInclusive<f64>, scale: AxisScale) -> Self {
         ChartAxis { name: name.to_string(), range, scale }
+    }
+
+    /// Creates a linear axis with a round range around values, or that of an angle.
+    pub(crate) fn around(name: &str, values: impl Iterator<Item = f64>, is_angle: bool) -> Self {
+        if is_angle {
+            return ChartAxis::new(name, -3.2..=3.2, AxisScale::Angle);
+        }
+        let finite = values.filter(|value| value.is_finite());
+        let [least, most] = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], x| {
+            [least.min(x), most.max(x)]
+        });
+        if least > most {
+            return ChartAxis::new(name, 0.0..=1.0, AxisScale::Linear);
+        }
+        let step = round_step(((most - least) / 4.0).max(1e-3 * most.abs()).max(1e-9));
+        let (from, to) = ((least / step).floor() * step, (most / step).ceil() * step);
+        ChartAxis::new(name, from..=to.max(from + step), AxisScale::Linear)
+    }
+
+    /// Cuts a curve where an angle on this axis or on `up` jumps from π to −π.
+    pub(crate) fn pieces(&self, up: &ChartAxis, points: Vec<[f64; 2]>) -> Vec<Vec<[f64; 2]>> {
+        let jumps = |axis: &ChartAxis, from: f64, to: f64| {
+            axis.scale == AxisScale::Angle && (to - from).abs() > PI
+        };
+        let mut pieces: Vec<Vec<[f64; 2]>> = Vec::new();
+        for point in points {
+            match pieces.last_mut().and_then(|piece| Some((*piece.last()?, piece))) {
+                Some((last, piece))
+                    if !jumps(self, last[0], point[0]) && !jumps(up, last[1], point[1]) =>
+                {
+                    piece.push(point);
+                }
+                _ => pieces.push(vec![point]),
+            }
+        }
+        pieces
     }
 
     fn stretched(&self, value: f64) -> f64 {
@@ -238,7 +274,7 @@ impl Chart {
             let at = pos2(x, area.bottom() + 4.0);
             write_if_free(painter, at, Align2::CENTER_TOP, words, tint, &mut written);
         }
-        let below = pos2(area.right(), area.bottom() + 16.0);
+        let below = pos2(area.right(), area.bottom() + 19.0);
         let name = self.across.name.clone();
         write_if_free(painter, below, Align2::RIGHT_TOP, name, tint, &mut written);
     }

@@ -1,54 +1,116 @@
-//! Figure 3: the double pendulum with its parts labelled.
+//! Figure 3: the double pendulum with its parts labelled, a chart of any quantity against any, a twin
+//! with one difference, and time reversed.
 
-use egui::{Grid, Ui};
+use egui::{Button, ComboBox, Grid, Response, Ui, Vec2, vec2};
 
-use super::controls::{build, row};
-use super::double_simulation::DoublePendulumSimulation;
-use super::drawing::{FigureCanvas, StageReach, end, ends, wrapped};
+use super::arrangement::Arrangement;
+use super::chart::{Chart, ChartAxis, Curve};
+use super::controls::{build, energy_bar, friction, row, thrown};
+use super::double_simulation::{DoublePendulumSimulation, draw_rods};
+use super::drawing::{FigureCanvas, StageReach, Tint, end, ends, wrapped};
+use super::quantity::{Quantity, energy};
+use super::reversal::{MAX_OUT_SECS, Reversal};
+use super::twin::Twin;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
 use flipmap_pendulum::State;
 
 /// The live figure of a double pendulum, with both angles and the second pivot on the first bob.
 #[derive(Clone, Debug)]
-pub(super) struct Double(DoublePendulumSimulation);
+pub(super) struct Double {
+    simulation: DoublePendulumSimulation,
+    /// The quantities of the chart: across and up.
+    axes: [Quantity; 2],
+    twin: Option<Twin>,
+    reversal: Option<Reversal>,
+}
 
 impl Default for Double {
     fn default() -> Self {
-        Double(DoublePendulumSimulation::from([0.8, 1.4]))
+        Double {
+            simulation: DoublePendulumSimulation::from([0.8, 1.4]),
+            axes: [Quantity::Angle(0), Quantity::Angle(1)],
+            twin: None,
+            reversal: None,
+        }
     }
 }
 
-impl LiveFigure for Double {
-    fn open(&mut self, start: State<f64>) {
-        self.0.release(start);
+impl Double {
+    /// Begins again from a start, and time runs forwards.
+    fn begin(&mut self, start: State<f64>) {
+        self.simulation.release(start);
+        self.reversal = None;
+        self.begin_twin();
     }
 
-    fn restart(&mut self) {
-        self.0.release(self.0.start);
+    fn has_friction(&self) -> bool {
+        self.simulation.build.friction[0].value() > 0.0
     }
 
-    fn secs(&self) -> f64 {
-        self.0.secs()
+    fn begin_twin(&mut self) {
+        if let Some(twin) = &mut self.twin {
+            twin.begin(&self.simulation);
+        }
     }
 
-    fn advance(&mut self, elapsed_secs: f64) {
-        self.0.advance(elapsed_secs);
+    /// Returns the seconds since time was reversed, or `None` if it runs forwards.
+    fn secs_back(&self) -> Option<f64> {
+        let reversal = self.reversal.as_ref()?;
+        Some(self.secs() - reversal.out_secs).filter(|secs| *secs >= 0.0)
     }
 
-    fn told(&self) -> String {
-        self.0.told()
+    /// Draws the pendulum with its parts named, beside its twin, or on its way back.
+    fn draw_stage(&mut self, ui: &mut Ui, size: Vec2) {
+        match (self.twin.take(), self.secs_back()) {
+            (Some(twin), _) => {
+                let (stage, response) = self.draw_beside(ui, size, &twin);
+                self.twin = Some(twin);
+                self.drag(&stage, &response, None);
+            }
+            (None, Some(secs)) => self.draw_back(ui, size, secs),
+            (None, None) => self.draw_parts(ui, size),
+        }
     }
 
-    fn draw(&mut self, ui: &mut Ui, size: egui::Vec2) {
-        let angle = self.0.now().angle.map(wrapped);
-        let lengths = self.0.build.lengths_m();
+    /// Draws the pendulum, and its twin to the right.
+    fn draw_beside(&self, ui: &mut Ui, size: Vec2, twin: &Twin) -> (FigureCanvas, Response) {
+        let half = vec2(0.5 * (size.x - 8.0), size.y);
+        let both = [&self.simulation.build, &twin.simulation.build];
+        let [own, other] = both.map(|build| build.lengths_m().iter().sum::<f64>());
+        let reach = StageReach::of_rods(own.max(other));
+        let both = ui.horizontal_top(|ui| {
+            let told = self.simulation.told();
+            let (stage, response) = FigureCanvas::new(ui, half, reach, told);
+            self.simulation.draw(&stage);
+            stage.note(None, "Drag a bob, or throw it.");
+            let right = FigureCanvas::seen(ui, half, reach, twin.simulation.told());
+            twin.simulation.draw(&right);
+            right.note(None, "The twin, with one difference.");
+            (stage, response)
+        });
+        both.inner
+    }
+
+    fn drag(&mut self, stage: &FigureCanvas, response: &Response, handles: Option<[[f64; 2]; 2]>) {
+        let was_held = self.simulation.held.is_some();
+        self.simulation.drag(stage, response, handles);
+        if was_held || self.simulation.held.is_some() {
+            self.reversal = None;
+            self.begin_twin();
+        }
+    }
+
+    fn draw_parts(&mut self, ui: &mut Ui, size: Vec2) {
+        let simulation = &self.simulation;
+        let angle = simulation.now().angle.map(wrapped);
+        let lengths = simulation.build.lengths_m();
         let reach = lengths[0] + lengths[1];
-        let (stage, response) =
-            FigureCanvas::new(ui, size, StageReach::of_rods(reach), self.told());
+        let told = simulation.told();
+        let (stage, response) = FigureCanvas::new(ui, size, StageReach::of_rods(reach), told);
         let [first, second] = ends(lengths, angle);
         let (faint, [one, two, three, _]) = (stage.tint.faint, stage.tint.parts);
-        stage.note(None, "Both angles are from the vertical. Drag a bob, or the ring of an arc.");
+        stage.note(None, "Both angles are from the vertical. Drag or throw a bob, or drag a ring.");
         // Arcs keep a least size where rods are short, so that their handles can be grabbed.
         let radius = (0.3 * lengths[0].min(lengths[1])).max(0.1 * reach);
         let handles = [end([0.0; 2], radius, angle[0]), end(first, radius, angle[1])];
@@ -56,56 +118,207 @@ impl LiveFigure for Double {
             stage.dashed(at, [at[0], at[1] - 2.0 * radius], faint);
             stage.arc(at, theta, radius, three);
         }
-        self.0.draw(&stage);
+        simulation.draw(&stage);
         handles.iter().for_each(|handle| stage.handle(*handle, three));
         let beside = |at, theta: f64| end(at, 1.05 * radius, 0.5 * theta);
         stage.label(beside([0.0; 2], angle[0]), "θ1", three);
         stage.label(beside(first, angle[1]), "θ2", three);
-        let [m1, m2] = self.0.build.masses_kg();
+        let [m1, m2] = simulation.build.masses_kg();
         stage.label(first, &format!("m1 = {} kg, the second pivot", fixed(m1, 2)), one);
         stage.label(second, &format!("m2 = {} kg", fixed(m2, 2)), two);
         let along = |from: [f64; 2], to: [f64; 2]| [0, 1].map(|i| 0.4 * from[i] + 0.6 * to[i]);
-        stage.label(
-            along([0.0; 2], first),
-            &format!("l1 = {} m", fixed(lengths[0], 2)),
-            stage.tint.ink,
-        );
-        stage.label(
-            along(first, second),
-            &format!("l2 = {} m", fixed(lengths[1], 2)),
-            stage.tint.ink,
-        );
+        let rods = [along([0.0; 2], first), along(first, second)];
+        for (bob, at) in rods.into_iter().enumerate() {
+            let words = format!("l{} = {} m", bob + 1, fixed(lengths[bob], 2));
+            stage.label(at, &words, stage.tint.ink);
+        }
         stage.label([0.0; 2], "pivot", faint);
-        self.0.drag(&stage, &response, Some(handles));
+        self.drag(&stage, &response, Some(handles));
+    }
+
+    /// Draws the pendulum on its way back, `secs` after the turn, over the one in double-double.
+    fn draw_back(&self, ui: &mut Ui, size: Vec2, secs: f64) {
+        let Some(reversal) = &self.reversal else { return };
+        let build = &self.simulation.build;
+        let lengths = build.lengths_m();
+        let reach = StageReach::of_rods(lengths[0] + lengths[1]);
+        let stage = FigureCanvas::seen(ui, size, reach, self.told());
+        let trail =
+            |k: u32| ends(lengths, reversal.by_rk4.state_at(secs - f64::from(k) / 120.0).angle)[1];
+        let past = (0..=(120.0 * secs.min(4.0)) as u32).rev().map(trail);
+        stage.trail(&past.collect::<Vec<_>>(), stage.tint.parts[1]);
+        let exact = ends(lengths, reversal.exact.state_at(secs).angle);
+        for (from, to) in [([0.0; 2], exact[0]), (exact[0], exact[1])] {
+            stage.dashed(from, to, stage.tint.faint);
+        }
+        stage.bob(exact[1], 0.5 * build.masses_kg()[1], stage.tint.faint);
+        draw_rods(&stage, build, reversal.by_rk4.state_at(secs).angle);
+        stage.note(None, "Time reversed: RK4 in steps of 1/120 s; in grey, double-double.");
+    }
+
+    /// Returns the chart of one quantity against another over the last seconds, dashed for the twin.
+    fn chart(&self, tint: &Tint) -> Chart {
+        let points = |simulation: &DoublePendulumSimulation| -> Vec<[f64; 2]> {
+            let now = [(simulation.secs(), simulation.now())];
+            let states = simulation.path.iter().chain(&now);
+            let value = |quantity: Quantity, (secs, state): &(f64, State<f64>)| {
+                quantity.value(&simulation.build, *secs, state)
+            };
+            states.map(|moment| self.axes.map(|quantity| value(quantity, moment))).collect()
+        };
+        let own = points(&self.simulation);
+        let other = self.twin.as_ref().map_or(Vec::new(), |twin| points(&twin.simulation));
+        let axis = |i: usize| {
+            let values = own.iter().chain(&other).map(|point| point[i]);
+            ChartAxis::around(&self.axes[i].name(), values, self.axes[i].is_angle())
+        };
+        let (across, up) = (axis(0), axis(1));
+        let marks = own.last().copied().into_iter().collect();
+        let whole = |points: Vec<[f64; 2]>| across.pieces(&up, points);
+        let mut curves: Vec<Curve> =
+            whole(own).into_iter().map(|piece| Curve::line("", tint.parts[1], piece)).collect();
+        curves.extend(whole(other).into_iter().map(|piece| Curve::guide("", tint.faint, piece)));
+        Chart { across, up, curves, marks }
+    }
+
+    /// Shows the menus of the chart's quantities.
+    fn axis_menus(&mut self, ui: &mut Ui) {
+        Grid::new("axes").num_columns(2).show(ui, |ui| {
+            for (axis, name) in self.axes.iter_mut().zip(["Across", "Up"]) {
+                let label = ui.label(name);
+                let menu = ComboBox::from_id_salt(name)
+                    .width(180.0)
+                    .height(400.0)
+                    .selected_text(axis.name());
+                let shown = menu.show_ui(ui, |ui| {
+                    for quantity in Quantity::ALL {
+                        ui.selectable_value(axis, quantity, quantity.name());
+                    }
+                });
+                shown.response.labelled_by(label.id);
+                ui.end_row();
+            }
+        });
+    }
+
+    /// Shows the ways to reverse time and to compare with a twin.
+    fn experiments(&mut self, ui: &mut Ui) {
+        let can_turn = (0.1..MAX_OUT_SECS).contains(&self.secs()) && !self.has_friction();
+        match &self.reversal {
+            Some(reversal) => {
+                ui.label(reversal.words());
+                if ui.button("Forward again").clicked() {
+                    self.begin(self.simulation.start);
+                }
+            }
+            None => {
+                let button = ui.add_enabled(can_turn, Button::new("Turn all speeds round"));
+                if button.on_hover_text("Time reversed: does it find back to its start?").clicked()
+                {
+                    let simulation = &self.simulation;
+                    let (build, out_secs) = (&simulation.build, simulation.secs());
+                    self.reversal = Some(Reversal::new(build, simulation.start, out_secs));
+                    self.twin = None;
+                }
+            }
+        }
+        let mut has_twin = self.twin.is_some();
+        if ui.checkbox(&mut has_twin, "A twin beside it").changed() {
+            self.begin(self.simulation.start);
+            self.twin = has_twin.then(|| Twin::of(&self.simulation));
+        }
+        if self.twin.as_mut().is_some_and(|twin| twin.controls(ui)) {
+            self.begin(self.simulation.start);
+        }
+    }
+}
+
+impl LiveFigure for Double {
+    fn open(&mut self, start: State<f64>) {
+        self.begin(start);
+    }
+
+    fn restart(&mut self) {
+        self.simulation.release(self.simulation.start);
+        self.begin_twin();
+    }
+
+    fn secs(&self) -> f64 {
+        self.simulation.secs()
+    }
+
+    fn advance(&mut self, elapsed_secs: f64) {
+        let end_secs = self.reversal.as_ref().map_or(f64::INFINITY, |way| 2.0 * way.out_secs);
+        let elapsed_secs = elapsed_secs.min((end_secs - self.secs()).max(0.0));
+        if let Some(twin) = self.twin.as_mut().filter(|_| self.simulation.held.is_none()) {
+            twin.simulation.advance(elapsed_secs);
+        }
+        self.simulation.advance(elapsed_secs);
+    }
+
+    fn told(&self) -> String {
+        match (&self.reversal, self.secs_back()) {
+            (Some(reversal), Some(secs)) => {
+                let angle = reversal.by_rk4.state_at(secs).angle;
+                let [theta1, theta2] = angle.map(|angle| fixed(wrapped(angle), 3));
+                format!(
+                    "{} s after the turn: θ1 is {theta1} rad, θ2 is {theta2} rad",
+                    fixed(secs, 2)
+                )
+            }
+            _ => self.simulation.told(),
+        }
+    }
+
+    fn draw(&mut self, ui: &mut Ui, size: Vec2) {
+        let tint = Tint::of(ui);
+        let back = self.secs_back();
+        let chart = match (&self.reversal, back) {
+            (Some(reversal), Some(secs)) => reversal.chart(secs, &tint),
+            _ => self.chart(&tint),
+        };
+        let told = format!("Chart of {} against {}", chart.up.name, chart.across.name);
+        Arrangement::of(size, 1).show(
+            ui,
+            |ui, size| self.draw_stage(ui, size),
+            |ui, size| {
+                chart.show(ui, size, &told);
+            },
+        );
     }
 
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
-        if build(ui, &mut self.0.build) {
-            self.0.release(self.0.start);
+        let mut is_changed = build(ui, &mut self.simulation.build);
+        is_changed |= friction(ui, &mut self.simulation.build);
+        if is_changed {
+            self.begin(self.simulation.start);
         }
         ui.separator();
+        self.axis_menus(ui);
+        self.experiments(ui);
+        ui.separator();
+        let simulation = &self.simulation;
+        energy_bar(ui, "energy", energy(&simulation.build, &simulation.now()));
         Grid::new("double now").num_columns(2).show(ui, |ui| {
-            let state = self.0.state;
-            row(ui, "time", format!("{} s", column(self.0.secs(), 3, 8)));
+            thrown(ui, &simulation.start);
+            let state = simulation.state;
+            row(ui, "time", format!("{} s", column(simulation.secs(), 3, 8)));
             for i in 0..2 {
-                row(
-                    ui,
-                    &format!("θ{}", i + 1),
-                    format!("{} rad", column(wrapped(state.angle[i]), 4, 8)),
-                );
-                row(ui, &format!("ω{}", i + 1), format!("{} rad/s", column(state.speed[i], 4, 8)));
+                let [angle, speed] = [wrapped(state.angle[i]), state.speed[i]];
+                row(ui, &format!("θ{}", i + 1), format!("{} rad", column(angle, 4, 8)));
+                row(ui, &format!("ω{}", i + 1), format!("{} rad/s", column(speed, 4, 8)));
             }
         });
         ui.button("Show this start on the map")
             .clicked()
-            .then_some(FigureRequest::ToMap(self.0.start))
+            .then_some(FigureRequest::ToMap(simulation.start))
     }
 
     fn set(&self) -> Vec<f64> {
-        self.0.set()
+        self.simulation.set()
     }
 
     fn csv(&self, secs: f64) -> String {
-        super::machine::motion(&self.0, secs)
+        super::machine::motion(&self.simulation, secs)
     }
 }

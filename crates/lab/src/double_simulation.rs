@@ -12,16 +12,18 @@ use flipmap_scene::{Kind, PendulumSpec};
 
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 960.0;
-/// Number of points of the trail.
+/// Number of past states that the trail shows.
 const TRAIL: usize = 480;
+/// Number of past states that are remembered, which span ten seconds.
+const PATH: usize = 1200;
 /// Distance in points within which a handle can be grabbed.
 const HANDLE_POINTS: f32 = 12.0;
 /// Speed in m/s below which a bob that is let go is at rest.
 const LEAST_THROW: f64 = 0.3;
 /// Largest speed in rad/s of a throw.
 const FASTEST: f64 = 25.0;
-/// Number of steps between two points of the trail.
-const TRAIL_EVERY: u64 = 8;
+/// Number of steps between two remembered states.
+const PATH_EVERY: u64 = 8;
 
 /// A double pendulum, released from rest or thrown.
 #[derive(Clone, Debug)]
@@ -34,8 +36,8 @@ pub(super) struct DoublePendulumSimulation {
     pub state: State<f64>,
     /// The clock of the steps.
     pub clock: Clock,
-    /// Past positions of the second bob in metres, the latest last.
-    pub trail: Vec<[f64; 2]>,
+    /// Past states with their times in s, in order of time.
+    pub path: Vec<(f64, State<f64>)>,
     /// Index of the bob that the user holds.
     pub held: Option<usize>,
 }
@@ -49,7 +51,7 @@ impl DoublePendulumSimulation {
             start,
             state: start,
             clock: Clock::new(1.0 / STEPS_A_SEC),
-            trail: Vec::new(),
+            path: Vec::new(),
             held: None,
         }
     }
@@ -58,7 +60,7 @@ impl DoublePendulumSimulation {
     pub(super) fn release(&mut self, start: State<f64>) {
         (self.start, self.state) = (start, start);
         self.clock = Clock::new(self.clock.step_secs);
-        self.trail.clear();
+        self.path.clear();
     }
 
     /// Returns the angles of the start, the masses, the lengths, the gravity, and the speeds of the
@@ -83,14 +85,14 @@ impl DoublePendulumSimulation {
         let pendulum = self.pendulum();
         let from = self.clock.taken;
         for k in 0..self.clock.due(elapsed_secs) as u64 {
-            if (from + k).is_multiple_of(TRAIL_EVERY) {
-                self.trail.push(ends(self.build.lengths_m(), self.state.angle)[1]);
+            if (from + k).is_multiple_of(PATH_EVERY) {
+                self.path.push(((from + k) as f64 * self.clock.step_secs, self.state));
             }
             let change = rk4(&pendulum, &self.state, self.clock.step_secs, Turning::Fresh);
             self.state = self.state.plus(&change);
         }
-        let old = self.trail.len().saturating_sub(TRAIL);
-        self.trail.drain(..old);
+        let old = self.path.len().saturating_sub(PATH);
+        self.path.drain(..old);
     }
 
     /// Returns the current state, which may lie between two steps.
@@ -156,22 +158,29 @@ impl DoublePendulumSimulation {
 
     /// Draws the pendulum with its trail.
     pub(super) fn draw(&self, stage: &FigureCanvas) {
-        let [first, second] = ends(self.build.lengths_m(), self.now().angle);
-        let (ink, [one, two, ..]) = (stage.tint.ink, stage.tint.parts);
-        stage.trail(&self.trail, two);
-        stage.rod([0.0; 2], first, ink);
-        stage.rod(first, second, ink);
-        stage.pivot();
-        let [m1, m2] = self.build.masses_kg();
-        match self.build.kind {
-            Kind::Points => {
-                stage.bob(first, m1, one);
-                stage.bob(second, m2, two);
-            }
-            Kind::Rods => {
-                stage.bar([0.0; 2], first, m1, one);
-                stage.bar(first, second, m2, two);
-            }
+        let past = &self.path[self.path.len().saturating_sub(TRAIL)..];
+        let trail = past.iter().map(|(_, state)| ends(self.build.lengths_m(), state.angle)[1]);
+        stage.trail(&trail.collect::<Vec<_>>(), stage.tint.parts[1]);
+        draw_rods(stage, &self.build, self.now().angle);
+    }
+}
+
+/// Draws the rods and bobs, or the bars, of a pendulum.
+pub(super) fn draw_rods(stage: &FigureCanvas, build: &PendulumSpec, angle: [f64; 2]) {
+    let [first, second] = ends(build.lengths_m(), angle);
+    let (ink, [one, two, ..]) = (stage.tint.ink, stage.tint.parts);
+    stage.rod([0.0; 2], first, ink);
+    stage.rod(first, second, ink);
+    stage.pivot();
+    let [m1, m2] = build.masses_kg();
+    match build.kind {
+        Kind::Points => {
+            stage.bob(first, m1, one);
+            stage.bob(second, m2, two);
+        }
+        Kind::Rods => {
+            stage.bar([0.0; 2], first, m1, one);
+            stage.bar(first, second, m2, two);
         }
     }
 }
@@ -197,7 +206,7 @@ mod tests {
         let apart = (often.state.angle[1] - seldom.state.angle[1]).abs();
         assert!(apart < 1e-12 && (often.secs() - 2.0).abs() < 1e-6);
         assert!((often.pendulum().energy(&often.state) / energy - 1.0).abs() < 1e-7);
-        assert!(often.trail.len() > 200 && often.trail.len() <= TRAIL);
+        assert!(often.path.len() > 200 && often.path.len() <= PATH);
     }
 
     #[test]

@@ -64,7 +64,8 @@ impl Lab {
         let prediction = predictions(figure)[self.lesson.question];
         if !self.lesson.is_open {
             self.lesson.is_open = true;
-            self.open_for(&prediction);
+            open_for(self, &prediction);
+            self.playing.paused |= prediction.start.is_some();
         }
         match card(ui, figure, &self.lesson, &prediction)? {
             Answer::Choose(choice) => {
@@ -82,13 +83,12 @@ impl Lab {
         }
         None
     }
+}
 
-    fn open_for(&mut self, prediction: &Prediction) {
-        let Some(start) = prediction.start else { return };
-        if let Some(live) = self.live() {
-            live.open(State::rest(start));
-            self.playing.paused = true;
-        }
+/// Opens the figure that is shown as a question begins.
+pub(super) fn open_for(lab: &mut Lab, prediction: &Prediction) {
+    if let (Some(start), Some(live)) = (prediction.start, lab.live()) {
+        live.open(State::rest(start));
     }
 }
 

@@ -35,13 +35,18 @@ pub mod lesson;
 mod machine;
 mod playing;
 mod predictions;
+mod quantity;
+mod reversal;
+pub mod sheet;
 mod single;
 mod single_simulation;
 pub mod still;
 mod sweep;
 mod twenty;
+mod twin;
 pub mod typeface;
 
+pub use egui::Theme;
 use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};
 use lesson::Lesson;

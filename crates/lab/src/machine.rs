@@ -1,12 +1,12 @@
 //! Figure 4: the double pendulum as a machine, with its matrix equation live.
 
-use egui::{Grid, ProgressBar, Ui, vec2};
+use egui::{Grid, Ui, vec2};
 
-use super::controls::{build, row};
+use super::controls::{build, energy_bar, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{FigureCanvas, LETTER, StageReach, Tint};
-use super::equation;
 use super::{FigureRequest, LiveFigure};
+use super::{equation, quantity};
 use flipmap_numbers::number_text::{fixed, signed};
 use flipmap_pendulum::State;
 
@@ -94,19 +94,13 @@ fn determinant(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     ui.label("It is never zero, so M can always be inverted.");
 }
 
-/// Shows the kinetic and potential energy as shares of the total, measured from hanging at rest.
+/// Shows the kinetic and potential energy, and how far their sum has moved.
 fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     let pendulum = simulation.pendulum();
-    let (state, start) = (simulation.state, simulation.start);
-    let lowest = -(pendulum.p + pendulum.q);
-    let all = (pendulum.energy(&start) - lowest).max(1e-12);
-    let potential = pendulum.energy(&State::rest(state.angle)) - lowest;
-    let kinetic = pendulum.energy(&state) - lowest - potential;
-    for (name, part) in [("kinetic", kinetic), ("potential", potential)] {
-        let text = format!("{name} {} J", fixed(part, 2));
-        ui.add(ProgressBar::new((part / all) as f32).text(text));
-    }
-    let error = (pendulum.energy(&state) - pendulum.energy(&start)) / all;
+    let parts = quantity::energy(&simulation.build, &simulation.state);
+    energy_bar(ui, "energy", parts);
+    let all = quantity::energy(&simulation.build, &simulation.start).iter().sum::<f64>().max(1e-12);
+    let error = (pendulum.energy(&simulation.state) - pendulum.energy(&simulation.start)) / all;
     ui.horizontal(|ui| {
         ui.label("relative energy error");
         ui.monospace(signed(error, 2));

@@ -4,7 +4,7 @@ use egui::{Grid, Ui, Vec2};
 
 use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
-use super::controls::row;
+use super::controls::{energy_bar, row};
 use super::drawing::{FigureCanvas, StageReach, Tint, end};
 use super::formula::Formula;
 use super::single_simulation::SinglePendulumSimulation;
@@ -161,6 +161,7 @@ impl LiveFigure for Single {
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         self.0.controls(ui);
         ui.separator();
+        energy_bar(ui, "energy", self.energy(self.0.now()));
         Grid::new("single now").num_columns(2).show(ui, |ui| {
             row(ui, "time", format!("{} s", column(self.0.secs(), 3, 8)));
             row(ui, "θ", format!("{} rad", column(self.0.swing.angle, 4, 8)));

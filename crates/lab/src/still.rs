@@ -22,18 +22,22 @@ const FRAMES_A_SEC: f64 = 60.0;
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Draws a figure `secs` after its start.
-pub fn still(lab: &mut Lab, size: [u32; 2], secs: f64) -> Result<Still, EngineError> {
+pub fn still(lab: &mut Lab, size: [u32; 2], secs: f64, theme: Theme) -> Result<Still, EngineError> {
     if let Some(live) = lab.live() {
         let frames = (secs * FRAMES_A_SEC).round() as u32;
         (0..frames).for_each(|_| live.advance(1.0 / FRAMES_A_SEC));
     }
-    draw(size, |ui| {
+    draw(size, theme, |ui| {
         lab.show(ui);
     })
 }
 
 /// Draws the user interface that `show` lays out as a picture.
-pub fn draw(size: [u32; 2], mut show: impl FnMut(&mut Ui)) -> Result<Still, EngineError> {
+pub fn draw(
+    size: [u32; 2],
+    theme: Theme,
+    mut show: impl FnMut(&mut Ui),
+) -> Result<Still, EngineError> {
     let adapter = adapters().into_iter().next();
     let adapter = adapter.ok_or_else(|| EngineError::Unsupported(INSTALL_HINT.to_string()))?;
     let gpu = Gpu::open(adapter)?;
@@ -43,7 +47,7 @@ pub fn draw(size: [u32; 2], mut show: impl FnMut(&mut Ui)) -> Result<Still, Engi
         return Err(EngineError::LimitExceeded { what: "a side of the still", needed, allowed });
     }
     let ctx = Context::default();
-    ctx.set_theme(Theme::Dark);
+    ctx.set_theme(theme);
     typeface::install(&ctx);
     let mut renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
     let mut shapes = Vec::new();
