@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use flipmap_lab::home::home_map;
+use flipmap_lab::set_up::PREFIX;
 use flipmap_lab::sheet::sheet;
 use flipmap_lab::still::{Still, draw, still};
 use flipmap_lab::{Figure, Lab, Theme, flips};
@@ -20,8 +21,8 @@ use super::suggested::Suggested;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// Name of the figure: single, ghost, double, machine, integrators, twenty or map; or sheet, the
-    /// whole lesson to print
+    /// Name of the figure: single, ghost, double, machine, integrators, twenty or map; a figure's
+    /// set-up, as in flipmap:lab=double;start=2.2,2.5; or sheet, the whole lesson to print
     #[arg(hide_possible_values = true, value_parser = Suggested(names()))]
     name: Option<String>,
     /// Picture of the figure to write, or the sheet as .html (- for standard output)
@@ -54,13 +55,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if name == SHEET {
         return print_sheet(options);
     }
-    let figure = Figure::named(name).ok_or_else(|| {
-        let allowed = not_among("figures", &names(), name);
-        Exit::Usage(match &options.name {
-            Some(name) => format!("there is no figure called '{name}'; {allowed}"),
-            None => format!("name a figure; {allowed}"),
-        })
-    })?;
+    let mut lab = named(name)?;
     let secs = number_of("--at", &options.at, 0.0..=MAX_SECS, "s")?;
     let size = size(&options.size)?;
     if options.output.is_none() && options.csv.is_none() {
@@ -78,10 +73,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     for (option, path) in &outputs {
         super::check(path, option)?;
     }
-    if figure == Figure::Map {
+    if lab.figure == Figure::Map {
         return map(options, size);
     }
-    let mut lab = Lab::new(figure);
     if let (Some(path), Some(live)) = (&options.csv, lab.live()) {
         super::write_whole(path, "--csv", live.csv(secs).as_bytes())?;
     }
@@ -106,6 +100,22 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
         write(path, &still)?;
     }
     Ok(())
+}
+
+/// Returns the laboratory with the figure that was named, or set up by a line of text.
+fn named(name: &str) -> Result<Lab, Exit> {
+    if name.starts_with(PREFIX) {
+        let mut lab = Lab::new(Figure::Single);
+        lab.open_set_up(name).map_err(|error| Exit::Usage(error.to_string()))?;
+        return Ok(lab);
+    }
+    Figure::named(name).map(Lab::new).ok_or_else(|| {
+        let allowed = not_among("figures", &names(), name);
+        Exit::Usage(match name {
+            "" => format!("name a figure; {allowed}"),
+            name => format!("there is no figure called '{name}'; {allowed}"),
+        })
+    })
 }
 
 /// Writes the lesson as a page to print.

@@ -85,6 +85,19 @@ fn decimal(ui: &mut Ui, name: &str, unit: &str, value: &mut Decimal, range: Rang
     }
 }
 
+/// Range of masses in kg.
+pub(super) const MASSES: RangeInclusive<f64> = 0.1..=8.0;
+/// Range of a double pendulum's lengths in m.
+pub(super) const LENGTHS: RangeInclusive<f64> = 0.1..=3.0;
+/// Range of gravity in m/s².
+pub(super) const GRAVITIES: RangeInclusive<f64> = 0.1..=30.0;
+/// Range of friction in N m s.
+pub(super) const FRICTIONS: RangeInclusive<f64> = 0.0..=2.0;
+/// Range of a start's angles in rad, which a pinned pendulum may have turned often.
+pub(super) const ANGLES: RangeInclusive<f64> = -1000.0..=1000.0;
+/// Range of a start's speeds in rad/s.
+pub(super) const SPEEDS: RangeInclusive<f64> = -100.0..=100.0;
+
 /// Shows controls for the kind, masses, lengths and gravity of a double pendulum, and returns true
 /// if any changed.
 pub(super) fn build(ui: &mut Ui, build: &mut PendulumSpec) -> bool {
@@ -95,11 +108,11 @@ pub(super) fn build(ui: &mut Ui, build: &mut PendulumSpec) -> bool {
     });
     Grid::new("build").num_columns(2).show(ui, |ui| {
         let PendulumSpec { masses: [m1, m2], lengths: [l1, l2], gravity, .. } = build;
-        decimal(ui, "Mass m1", " kg", m1, 0.1..=8.0);
-        decimal(ui, "Mass m2", " kg", m2, 0.1..=8.0);
-        decimal(ui, "Length l1", " m", l1, 0.1..=3.0);
-        decimal(ui, "Length l2", " m", l2, 0.1..=3.0);
-        decimal(ui, "Gravity g", " m/s²", gravity, 0.1..=30.0);
+        decimal(ui, "Mass m1", " kg", m1, MASSES);
+        decimal(ui, "Mass m2", " kg", m2, MASSES);
+        decimal(ui, "Length l1", " m", l1, LENGTHS);
+        decimal(ui, "Length l2", " m", l2, LENGTHS);
+        decimal(ui, "Gravity g", " m/s²", gravity, GRAVITIES);
     });
     *build != before
 }
@@ -110,7 +123,7 @@ pub(super) fn friction(ui: &mut Ui, build: &mut PendulumSpec) -> bool {
     let mut both = build.friction[0].value();
     let mut is_changed = false;
     Grid::new("friction").num_columns(2).show(ui, |ui| {
-        is_changed = number(ui, "Friction b", " N m s", &mut both, 0.0..=2.0);
+        is_changed = number(ui, "Friction b", " N m s", &mut both, FRICTIONS);
     });
     if is_changed {
         build.friction = [both.into(); 2];

@@ -10,6 +10,7 @@ use super::double_simulation::{DoublePendulumSimulation, draw_rods};
 use super::drawing::{FigureCanvas, StageReach, Tint, end, ends, wrapped};
 use super::quantity::{Quantity, energy};
 use super::reversal::{MAX_OUT_SECS, Reversal};
+use super::set_up::SetUpWord;
 use super::twin::Twin;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
@@ -314,8 +315,13 @@ impl LiveFigure for Double {
             .then_some(FigureRequest::ToMap(simulation.start))
     }
 
-    fn set(&self) -> Vec<f64> {
-        self.simulation.set()
+    fn set_up(&self) -> Vec<SetUpWord> {
+        self.simulation.set_up()
+    }
+
+    fn take_set_up(&mut self, numbers: &[f64]) {
+        self.simulation.take_set_up(numbers);
+        self.begin(self.simulation.start);
     }
 
     fn csv(&self, secs: f64) -> String {

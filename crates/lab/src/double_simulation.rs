@@ -3,7 +3,9 @@
 use egui::Response;
 
 use super::clock::Clock;
+use super::controls::{ANGLES, FRICTIONS, GRAVITIES, LENGTHS, MASSES, SPEEDS};
 use super::drawing::{FigureCanvas, angle_of, ends, wrapped};
+use super::set_up::SetUpWord;
 use flipmap_numbers::number_text::fixed;
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::rk4;
@@ -63,13 +65,28 @@ impl DoublePendulumSimulation {
         self.path.clear();
     }
 
-    /// Returns the angles of the start, the masses, the lengths, the gravity, and the speeds of the
-    /// start.
-    pub(super) fn set(&self) -> Vec<f64> {
-        let gravity = self.build.gravity.value();
-        let (masses, lengths) = (self.build.masses_kg(), self.build.lengths_m());
+    /// Returns the set-up of the figure.
+    pub(super) fn set_up(&self) -> Vec<SetUpWord> {
+        let PendulumSpec { kind, gravity, friction, .. } = &self.build;
         let State { angle, speed } = self.start;
-        [&angle[..], &masses, &lengths, &[gravity], &speed].concat()
+        vec![
+            SetUpWord::numbers("start", angle, ANGLES),
+            SetUpWord::numbers("masses", self.build.masses_kg(), MASSES),
+            SetUpWord::numbers("lengths", self.build.lengths_m(), LENGTHS),
+            SetUpWord::numbers("gravity", [gravity.value()], GRAVITIES),
+            SetUpWord::numbers("speeds", speed, SPEEDS),
+            SetUpWord::numbers("friction", [friction[0].value()], FRICTIONS),
+            SetUpWord::name("kind", usize::from(*kind == Kind::Rods), &["points", "rods"]),
+        ]
+    }
+
+    /// Begins again as the numbers of a set-up say.
+    pub(super) fn take_set_up(&mut self, numbers: &[f64]) {
+        let &[t1, t2, m1, m2, l1, l2, gravity, w1, w2, friction, kind] = numbers else { return };
+        let kind = if kind > 0.0 { Kind::Rods } else { Kind::Points };
+        self.build = PendulumSpec::new(kind, [m1, m2], [l1, l2], gravity);
+        self.build.friction = [friction.into(); 2];
+        self.release(State { angle: [t1, t2], speed: [w1, w2] });
     }
 
     /// Returns the five coefficients of the equations of motion.

@@ -7,6 +7,7 @@ use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::{coloured_row, row};
 use super::drawing::{FigureCanvas, StageReach, Tint, end};
 use super::formula::{Fence, Formula};
+use super::set_up::SetUpWord;
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
@@ -142,8 +143,12 @@ impl LiveFigure for Ghost {
         None
     }
 
-    fn set(&self) -> Vec<f64> {
-        vec![self.0.amplitude, self.0.simple.length, self.0.mass, self.0.simple.gravity]
+    fn set_up(&self) -> Vec<SetUpWord> {
+        self.0.set_up()
+    }
+
+    fn take_set_up(&mut self, numbers: &[f64]) {
+        self.0.take_set_up(numbers);
     }
 
     fn csv(&self, _: f64) -> String {

@@ -7,9 +7,10 @@ use egui::{Color32, Grid, Ui, Vec2};
 use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
-use super::controls::{coloured_row, number_on, thrown};
+use super::controls::{ANGLES, SPEEDS, coloured_row, number_on, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, StageReach, Tint, ends, wrapped};
+use super::set_up::SetUpWord;
 use super::sweep::Sweep;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{fixed, signed};
@@ -302,8 +303,19 @@ impl LiveFigure for Integrators {
             .then_some(FigureRequest::ToMap(self.start))
     }
 
-    fn set(&self) -> Vec<f64> {
-        vec![self.start.angle[0], self.start.angle[1], self.step_secs]
+    fn set_up(&self) -> Vec<SetUpWord> {
+        let State { angle, speed } = self.start;
+        vec![
+            SetUpWord::numbers("start", angle, ANGLES),
+            SetUpWord::numbers("step", [self.step_secs], 1e-3..=0.2),
+            SetUpWord::numbers("speeds", speed, SPEEDS),
+        ]
+    }
+
+    fn take_set_up(&mut self, numbers: &[f64]) {
+        if let &[t1, t2, step_secs, w1, w2] = numbers {
+            *self = Integrators::new(State { angle: [t1, t2], speed: [w1, w2] }, step_secs);
+        }
     }
 
     fn csv(&self, secs: f64) -> String {

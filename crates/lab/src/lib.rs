@@ -37,6 +37,7 @@ mod playing;
 mod predictions;
 mod quantity;
 mod reversal;
+pub mod set_up;
 pub mod sheet;
 mod single;
 mod single_simulation;
@@ -51,6 +52,7 @@ use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};
 use lesson::Lesson;
 use playing::Playing;
+use set_up::SetUpWord;
 
 use flipmap_pendulum::State;
 
@@ -148,8 +150,10 @@ pub trait LiveFigure {
     /// Shows the figure's sliders and numbers, and returns a request to the window if the user
     /// makes one.
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest>;
-    /// Returns the values set by the user, beginning with the start's angles in rad.
-    fn set(&self) -> Vec<f64>;
+    /// Returns the set-up, word by word, beginning with the start's angles in rad.
+    fn set_up(&self) -> Vec<SetUpWord>;
+    /// Begins again as the numbers of all words say, in the order of [`LiveFigure::set_up`].
+    fn take_set_up(&mut self, numbers: &[f64]);
     /// Returns the data as CSV with a header; series over time cover `secs` from the start.
     fn csv(&self, secs: f64) -> String;
 }
@@ -203,7 +207,8 @@ impl Lab {
 
     /// Returns the values that the user has set in the figure that is shown.
     pub fn set(&self) -> Vec<f64> {
-        self.live[self.figure as usize].as_ref().map_or(Vec::new(), |live| live.set())
+        let live = self.live[self.figure as usize].as_ref();
+        live.map_or(Vec::new(), |live| set_up::numbers(&live.set_up()))
     }
 
     /// Advances the figure that is shown by a frame of `elapsed_secs`.

@@ -5,6 +5,7 @@ use egui::{Grid, Ui, vec2};
 use super::controls::{build, energy_bar, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{FigureCanvas, LETTER, StageReach, Tint};
+use super::set_up::SetUpWord;
 use super::{FigureRequest, LiveFigure};
 use super::{equation, quantity};
 use flipmap_numbers::number_text::{fixed, signed};
@@ -72,8 +73,12 @@ impl LiveFigure for MachineFigure {
             .then_some(FigureRequest::ToMap(self.0.start))
     }
 
-    fn set(&self) -> Vec<f64> {
-        self.0.set()
+    fn set_up(&self) -> Vec<SetUpWord> {
+        self.0.set_up()
+    }
+
+    fn take_set_up(&mut self, numbers: &[f64]) {
+        self.0.take_set_up(numbers);
     }
 
     fn csv(&self, secs: f64) -> String {

@@ -7,6 +7,7 @@ use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::{energy_bar, row};
 use super::drawing::{FigureCanvas, StageReach, Tint, end};
 use super::formula::Formula;
+use super::set_up::SetUpWord;
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
@@ -172,8 +173,12 @@ impl LiveFigure for Single {
         None
     }
 
-    fn set(&self) -> Vec<f64> {
-        vec![self.0.amplitude, self.0.simple.length, self.0.mass, self.0.simple.gravity]
+    fn set_up(&self) -> Vec<SetUpWord> {
+        self.0.set_up()
+    }
+
+    fn take_set_up(&mut self, numbers: &[f64]) {
+        self.0.take_set_up(numbers);
     }
 
     fn csv(&self, secs: f64) -> String {

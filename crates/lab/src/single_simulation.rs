@@ -1,15 +1,22 @@
 //! A single pendulum simulated in fixed steps, shared by the first two figures.
 
+use std::ops::RangeInclusive;
+
 use egui::{Grid, Response, Ui};
 
 use super::clock::Clock;
-use super::controls::number;
+use super::controls::{GRAVITIES, MASSES, number};
 use super::drawing::{FigureCanvas, angle_of, end};
+use super::set_up::SetUpWord;
 use flipmap_pendulum::simple::{Crossings, MAX_AMPLITUDE, Simple, Swing};
 
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;
 
+/// Range of the rod in m.
+const RODS: RangeInclusive<f64> = 0.1..=5.0;
+/// Range of the release in rad.
+const AMPLITUDES: RangeInclusive<f64> = -MAX_AMPLITUDE..=MAX_AMPLITUDE;
 /// Number of steps between two remembered states.
 const PATH_EVERY: u64 = 6;
 /// Number of remembered states, which span ten seconds.
@@ -109,15 +116,35 @@ impl SinglePendulumSimulation {
         }
     }
 
+    /// Returns the set-up of the figure.
+    pub(super) fn set_up(&self) -> Vec<SetUpWord> {
+        let simple = &self.simple;
+        vec![
+            SetUpWord::numbers("start", [self.amplitude], AMPLITUDES),
+            SetUpWord::numbers("rod", [simple.length], RODS),
+            SetUpWord::numbers("mass", [self.mass], MASSES),
+            SetUpWord::numbers("gravity", [simple.gravity], GRAVITIES),
+        ]
+    }
+
+    /// Begins again as the numbers of a set-up say.
+    pub(super) fn take_set_up(&mut self, numbers: &[f64]) {
+        if let &[amplitude, length, mass, gravity] = numbers {
+            self.simple = Simple { length, gravity };
+            self.mass = mass;
+            self.release(amplitude);
+        }
+    }
+
     /// Shows the sliders for length, mass, gravity and the angle of release, and a release button.
     pub(super) fn controls(&mut self, ui: &mut Ui) {
         let mut amplitude = self.amplitude;
         let mut changed = false;
         Grid::new("single").num_columns(2).show(ui, |ui| {
-            changed |= number(ui, "Rod r", " m", &mut self.simple.length, 0.1..=5.0);
-            changed |= number(ui, "Mass m", " kg", &mut self.mass, 0.1..=8.0);
-            changed |= number(ui, "Gravity g", " m/s²", &mut self.simple.gravity, 0.1..=30.0);
-            let range = -MAX_AMPLITUDE..=MAX_AMPLITUDE;
+            changed |= number(ui, "Rod r", " m", &mut self.simple.length, RODS);
+            changed |= number(ui, "Mass m", " kg", &mut self.mass, MASSES);
+            changed |= number(ui, "Gravity g", " m/s²", &mut self.simple.gravity, GRAVITIES);
+            let range = AMPLITUDES;
             changed |= number(ui, "Let go at θ", " rad", &mut amplitude, range);
         });
         if changed {

@@ -1,14 +1,17 @@
 //! Figure 6: pendulums a hair apart, drawn together until they fan out.
 
+use std::ops::RangeInclusive;
+
 use egui::{Color32, Grid, Pos2, Stroke, Ui, Vec2};
 
 use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
-use super::controls::{number_on, row, thrown};
+use super::controls::{ANGLES, SPEEDS, number_on, row, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, StageReach, Tint, ends};
 use super::formula::Formula;
+use super::set_up::SetUpWord;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::Dd;
 use flipmap_numbers::number_text::{brief, fixed, significant};
@@ -16,6 +19,13 @@ use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::State;
 use flipmap_pendulum::integrator::rk4;
 use flipmap_pendulum::separation::{Growth, Reading, Ruler, SATURATED_RAD};
+
+/// Range of the nudge in rad.
+const NUDGES: RangeInclusive<f64> = 1e-13..=1e-2;
+/// Range of the tolerance of a forecast in rad.
+const TOLERANCES: RangeInclusive<f64> = 1e-3..=1.0;
+/// Range of the uncertainty of a forecast's start in rad.
+const PRECISIONS: RangeInclusive<f64> = 1e-16..=1e-3;
 
 /// Pendulums released from almost the same start.
 #[derive(Clone, Debug)]
@@ -237,11 +247,11 @@ impl LiveFigure for Twenty {
         let mut changed = false;
         Grid::new("twenty").num_columns(2).show(ui, |ui| {
             changed |= number_on(ui, "Pendulums", "", &mut count, 2.0..=MAX_PENDULUMS, true);
-            changed |= number_on(ui, "Nudge", " rad", &mut nudge, 1e-13..=1e-2, true);
+            changed |= number_on(ui, "Nudge", " rad", &mut nudge, NUDGES, true);
             changed |= number_on(ui, "θ1", " rad", &mut start.angle[0], -3.1..=3.1, false);
             changed |= number_on(ui, "θ2", " rad", &mut start.angle[1], -3.1..=3.1, false);
-            number_on(ui, "Tolerance", " rad", &mut self.tolerance_rad, 1e-3..=1.0, true);
-            number_on(ui, "Precision", " rad", &mut self.precision_rad, 1e-16..=1e-3, true);
+            number_on(ui, "Tolerance", " rad", &mut self.tolerance_rad, TOLERANCES, true);
+            number_on(ui, "Precision", " rad", &mut self.precision_rad, PRECISIONS, true);
         });
         if changed || ui.button("Restart").clicked() {
             self.begin(start, count.round() as usize, nudge);
@@ -269,8 +279,23 @@ impl LiveFigure for Twenty {
             .then_some(FigureRequest::ToMap(self.start))
     }
 
-    fn set(&self) -> Vec<f64> {
-        vec![self.start.angle[0], self.start.angle[1], self.count as f64, self.nudge_rad]
+    fn set_up(&self) -> Vec<SetUpWord> {
+        let State { angle, speed } = self.start;
+        vec![
+            SetUpWord::numbers("start", angle, ANGLES),
+            SetUpWord::numbers("count", [self.count as f64], 2.0..=MAX_PENDULUMS),
+            SetUpWord::numbers("nudge", [self.nudge_rad], NUDGES),
+            SetUpWord::numbers("speeds", speed, SPEEDS),
+            SetUpWord::numbers("tolerance", [self.tolerance_rad], TOLERANCES),
+            SetUpWord::numbers("precision", [self.precision_rad], PRECISIONS),
+        ]
+    }
+
+    fn take_set_up(&mut self, numbers: &[f64]) {
+        let &[t1, t2, count, nudge, w1, w2, tolerance, precision] = numbers else { return };
+        (self.tolerance_rad, self.precision_rad) = (tolerance, precision);
+        let start = State { angle: [t1, t2], speed: [w1, w2] };
+        self.begin(start, count.round() as usize, nudge);
     }
 
     fn csv(&self, secs: f64) -> String {

@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Grid, Ui};
 
-use super::controls::number;
+use super::controls::{FRICTIONS, GRAVITIES, LENGTHS, MASSES, number};
 use super::double_simulation::DoublePendulumSimulation;
 use flipmap_pendulum::State;
 use flipmap_scene::PendulumSpec;
@@ -30,10 +30,10 @@ impl Difference {
     fn described(self) -> (&'static str, &'static str, std::ops::RangeInclusive<f64>) {
         match self {
             Difference::Angle => ("θ2 more by", " rad", 1e-6..=1.0),
-            Difference::Mass => ("Mass m2", " kg", 0.1..=8.0),
-            Difference::Length => ("Length l2", " m", 0.1..=3.0),
-            Difference::Gravity => ("Gravity g", " m/s²", 0.1..=30.0),
-            Difference::Friction => ("Friction of the pivots", " N m s", 0.0..=2.0),
+            Difference::Mass => ("Mass m2", " kg", MASSES),
+            Difference::Length => ("Length l2", " m", LENGTHS),
+            Difference::Gravity => ("Gravity g", " m/s²", GRAVITIES),
+            Difference::Friction => ("Friction of the pivots", " N m s", FRICTIONS),
         }
     }
 }
