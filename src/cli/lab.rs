@@ -8,9 +8,10 @@ use clap::Args;
 use flipmap_lab::home::home_map;
 use flipmap_lab::set_up::PREFIX;
 use flipmap_lab::sheet::sheet;
-use flipmap_lab::still::{Still, draw, still};
+use flipmap_lab::still::{Still, StillPainter, still};
+use flipmap_lab::take_away::{FILMS, TakeAway, is_film, write_still};
 use flipmap_lab::{Figure, Lab, Theme, flips};
-use flipmap_render::output::{PICTURES, PictureFile};
+use flipmap_render::output::PICTURES;
 use flipmap_scene::not_among;
 
 use super::exit::Exit;
@@ -25,13 +26,15 @@ pub(super) struct Options {
     /// set-up, as in flipmap:lab=double;start=2.2,2.5; or sheet, the whole lesson to print
     #[arg(hide_possible_values = true, value_parser = Suggested(names()))]
     name: Option<String>,
-    /// Picture of the figure to write, or the sheet as .html (- for standard output)
+    /// Picture of the figure to write, its motion as .gif, .mp4 or .mkv through ffmpeg, or the sheet
+    /// as .html (- for standard output)
     #[arg(short, long, value_name = "STILL.png")]
     output: Option<PathBuf>,
     /// Data of the figure to write (- for standard output)
     #[arg(long, value_name = "DATA.csv")]
     csv: Option<PathBuf>,
-    /// Seconds after the figure's start at which to take the picture and end the data, 0 to 600
+    /// Seconds after the figure's start at which to take the picture and end the film and the data, 0
+    /// to 600
     #[arg(long, value_name = "SECONDS", default_value = "10", allow_hyphen_values = true)]
     at: String,
     /// Width and height of the picture in pixels, each 320 to 8192
@@ -66,7 +69,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let outputs: Vec<_> =
         named.into_iter().filter_map(|(option, path)| Some((option, path?))).collect();
     for (option, path) in &outputs {
-        super::check_name(path, option, if *option == "-o" { PICTURES } else { &["csv"] })?;
+        let endings = [PICTURES, FILMS].concat();
+        super::check_name(path, option, if *option == "-o" { &endings } else { &["csv"] })?;
     }
     keep_apart(&[], &outputs)?;
     one_stream(&outputs, false)?;
@@ -74,15 +78,20 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         super::check(path, option)?;
     }
     if lab.figure == Figure::Map {
+        if options.output.as_deref().is_some_and(is_film) {
+            let message = "-o: the map stands still: name a picture, or see flipmap video";
+            return Err(Exit::Usage(message.to_string()).into());
+        }
         return map(options, size);
     }
     if let (Some(path), Some(live)) = (&options.csv, lab.live()) {
         super::write_whole(path, "--csv", live.csv(secs).as_bytes())?;
     }
-    if let Some(path) = &options.output {
-        write(path, &still(&mut lab, size, secs, Theme::Dark)?)?;
+    match &options.output {
+        Some(path) if is_film(path) => Ok(TakeAway::Film.write(&mut lab, path, size, secs)?),
+        Some(path) => write(path, &still(&mut lab, size, secs, Theme::Dark)?),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// Computes a small map and writes it as the map figure, which in the window is the explorer.
@@ -93,7 +102,7 @@ fn map(options: &Options, size: [u32; 2]) -> anyhow::Result<()> {
     }
     if let Some(path) = &options.output {
         let mut texture = None;
-        let still = draw(size, Theme::Dark, |ui| {
+        let still = StillPainter::new(size, Theme::Dark)?.paint(|ui| {
             let texture = texture.get_or_insert_with(|| map.texture(ui.ctx()));
             flips::show(ui, texture, &map.document, &map.seen);
         })?;
@@ -142,9 +151,5 @@ fn size(text: &str) -> Result<[u32; 2], Exit> {
 }
 
 fn write(path: &Path, still: &Still) -> anyhow::Result<()> {
-    let written = PictureFile::create(path, still.size, None).and_then(|mut picture| {
-        picture.write(&still.rgb)?;
-        picture.complete()?.finish()
-    });
-    written.with_context(|| format!("-o: cannot write {}", path.display()))
+    write_still(still, path).with_context(|| format!("-o: cannot write {}", path.display()))
 }

@@ -196,8 +196,8 @@ fn print(codec: Option<Codec>, film: &Film, options: &Options) -> anyhow::Result
         return Err(Exit::Usage(message.to_string()).into());
     };
     let (output, quality) = (options.output.as_path(), options.quality.into());
-    let encoding = tried(codec, quality, film, output).map_err(|why| Exit::usage(&why))?;
-    let words = arguments(&encoding, film, output);
+    let encoding = tried(codec, quality, film.into(), output).map_err(|why| Exit::usage(&why))?;
+    let words = arguments(&encoding, film.into(), output);
     let quoted = words.iter().map(|word| {
         let word = word.to_string_lossy();
         let plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "-_./:=,+".contains(c));

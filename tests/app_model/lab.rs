@@ -50,3 +50,20 @@ fn the_lesson_is_given_from_the_first_figure_to_the_map() {
     click(&mut desktop, "End the lesson");
     assert!(!desktop.state().lab.lesson.is_on && desktop.state().state.shown.lab);
 }
+
+#[test]
+fn a_pasted_set_up_opens_its_figure_and_a_wrong_one_says_why() {
+    let mut desktop = home();
+    desktop.event(Event::Paste("flipmap:lab=double;start=2.2,2.5;masses=1,3\n".to_string()));
+    desktop.run_steps(2);
+    assert_eq!(desktop.state().figure_shown(), Some("double"));
+    assert_eq!(desktop.state().lab.set()[..4], [2.2, 2.5, 1.0, 3.0]);
+    desktop.event(Event::Paste("flipmap:lab=double;masses=1,-3".to_string()));
+    desktop.run_steps(2);
+    desktop.run_steps(2);
+    desktop.get_by_label_contains("masses is '1,-3'; it must be two numbers between");
+    assert_eq!(desktop.state().lab.set()[..4], [2.2, 2.5, 1.0, 3.0], "nothing is lost");
+    click(&mut desktop, "Copy set-up");
+    desktop.run_steps(2);
+    desktop.get_by_label_contains("The set-up was copied");
+}

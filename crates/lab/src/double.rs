@@ -235,6 +235,10 @@ impl Double {
 }
 
 impl LiveFigure for Double {
+    fn copied(&self) -> Box<dyn LiveFigure> {
+        Box::new(self.clone())
+    }
+
     fn open(&mut self, start: State<f64>) {
         self.begin(start);
     }

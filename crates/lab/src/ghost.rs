@@ -92,6 +92,10 @@ fn period(tint: &Tint) -> Formula {
 }
 
 impl LiveFigure for Ghost {
+    fn copied(&self) -> Box<dyn LiveFigure> {
+        Box::new(self.clone())
+    }
+
     fn open(&mut self, start: State<f64>) {
         self.0.release(start.angle[0]);
     }

@@ -219,6 +219,10 @@ impl Integrators {
 }
 
 impl LiveFigure for Integrators {
+    fn copied(&self) -> Box<dyn LiveFigure> {
+        Box::new(self.clone())
+    }
+
     fn open(&mut self, start: State<f64>) {
         *self = Integrators::new(start, self.step_secs);
     }

@@ -43,6 +43,7 @@ mod single;
 mod single_simulation;
 pub mod still;
 mod sweep;
+pub mod take_away;
 mod twenty;
 mod twin;
 pub mod typeface;
@@ -53,6 +54,7 @@ use figures::{ENTRIES, Entry};
 use lesson::Lesson;
 use playing::Playing;
 use set_up::SetUpWord;
+use take_away::TakeAway;
 
 use flipmap_pendulum::State;
 
@@ -130,10 +132,16 @@ pub enum FigureRequest {
     Show(Figure),
     /// Ends the lesson.
     EndLesson,
+    /// Copies the set-up of the figure that is shown.
+    CopySetUp,
+    /// Writes the figure that is shown to a file.
+    TakeAway(TakeAway),
 }
 
 /// A figure that runs live and responds to the user.
-pub trait LiveFigure {
+pub trait LiveFigure: Send {
+    /// Returns a copy of the figure at its present moment.
+    fn copied(&self) -> Box<dyn LiveFigure>;
     /// Begins again from a start found elsewhere; a single pendulum takes only θ1 and is released
     /// at rest.
     fn open(&mut self, start: State<f64>);
@@ -263,6 +271,12 @@ impl Lab {
         asked
     }
 
+    /// Shows the figure with its title and nothing that can be operated, as pictures and films do.
+    pub fn show_alone(&mut self, ui: &mut Ui) {
+        ui.heading(self.figure.title());
+        self.draw(ui, ui.available_size());
+    }
+
     fn sentence(&self, ui: &mut Ui) {
         if !self.projector {
             ui.label(self.figure.sentence());
@@ -325,8 +339,36 @@ impl Lab {
         let room = ui.available_width() - BESIDE_SLIDER;
         ui.spacing_mut().slider_width = room.clamp(*SLIDER_WIDTH.start(), *SLIDER_WIDTH.end());
         let asked = self.live()?.controls(ui);
-        told.or(asked)
+        told.or(asked).or(take_away_buttons(ui))
     }
+
+    /// Returns a copy of the lab with the figure that is shown at its present moment; the others are
+    /// as they begin.
+    pub fn copied(&self) -> Self {
+        let mut copy = Lab::new(self.figure);
+        copy.live[self.figure as usize] =
+            self.live[self.figure as usize].as_ref().map(|live| live.copied());
+        copy
+    }
+}
+
+/// Shows the ways to take a figure away.
+fn take_away_buttons(ui: &mut Ui) -> Option<FigureRequest> {
+    ui.separator();
+    let mut asked = None;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Take away");
+        for (kind, name, ending) in TakeAway::ALL {
+            if ui.button(name).on_hover_text(format!("Write the figure as .{ending}")).clicked() {
+                asked = Some(FigureRequest::TakeAway(kind));
+            }
+        }
+        let hint = "A line of text that opens this figure again when it is pasted here";
+        if ui.button("Copy set-up").on_hover_text(hint).clicked() {
+            asked = Some(FigureRequest::CopySetUp);
+        }
+    });
+    asked
 }
 
 #[cfg(test)]

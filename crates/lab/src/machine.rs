@@ -22,6 +22,10 @@ impl Default for MachineFigure {
 }
 
 impl LiveFigure for MachineFigure {
+    fn copied(&self) -> Box<dyn LiveFigure> {
+        Box::new(self.clone())
+    }
+
     fn open(&mut self, start: State<f64>) {
         self.0.release(start);
     }

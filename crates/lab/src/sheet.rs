@@ -11,7 +11,7 @@ use minijinja::{Environment, UndefinedBehavior, Value, context};
 use super::home::HomeMap;
 use super::lesson::open_for;
 use super::predictions::{Prediction, predictions};
-use super::still::{Still, still};
+use super::still::{Still, StillPainter};
 use super::{Figure, Lab};
 use flipmap_assets::LESSON_SHEET;
 use flipmap_engine::EngineError;
@@ -43,9 +43,8 @@ pub fn sheet(map: &HomeMap) -> Result<String, EngineError> {
 
 fn picture(figure: Figure) -> Result<Still, EngineError> {
     let mut lab = Lab::new(figure);
-    lab.projector = true;
     open_for(&mut lab, &predictions(figure)[0]);
-    still(&mut lab, SIZE, 0.0, Theme::Light)
+    StillPainter::new(SIZE, Theme::Light)?.paint(|ui| lab.show_alone(ui))
 }
 
 fn question(prediction: &Prediction) -> Value {

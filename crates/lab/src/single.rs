@@ -125,6 +125,10 @@ fn equation(tint: &Tint) -> Formula {
 }
 
 impl LiveFigure for Single {
+    fn copied(&self) -> Box<dyn LiveFigure> {
+        Box::new(self.clone())
+    }
+
     fn open(&mut self, start: State<f64>) {
         self.0.release(start.angle[0]);
     }

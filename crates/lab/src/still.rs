@@ -23,50 +23,64 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Draws a figure `secs` after its start.
 pub fn still(lab: &mut Lab, size: [u32; 2], secs: f64, theme: Theme) -> Result<Still, EngineError> {
-    if let Some(live) = lab.live() {
-        let frames = (secs * FRAMES_A_SEC).round() as u32;
-        (0..frames).for_each(|_| live.advance(1.0 / FRAMES_A_SEC));
-    }
-    draw(size, theme, |ui| {
+    let frames = (secs * FRAMES_A_SEC).round() as u32;
+    (0..frames).for_each(|_| lab.advance(1.0 / FRAMES_A_SEC));
+    StillPainter::new(size, theme)?.paint(|ui| {
         lab.show(ui);
     })
 }
 
-/// Draws the user interface that `show` lays out as a picture.
-pub fn draw(
+/// Draws pictures of a user interface, one after another.
+pub struct StillPainter {
+    gpu: Gpu,
+    renderer: Renderer,
+    ctx: Context,
     size: [u32; 2],
-    theme: Theme,
-    mut show: impl FnMut(&mut Ui),
-) -> Result<Still, EngineError> {
-    let adapter = adapters().into_iter().next();
-    let adapter = adapter.ok_or_else(|| EngineError::Unsupported(INSTALL_HINT.to_string()))?;
-    let gpu = Gpu::open(adapter)?;
-    let most = gpu.device.limits().max_texture_dimension_2d;
-    if let Some(&side) = size.iter().find(|side| **side > most) {
-        let (needed, allowed) = (u64::from(side), u64::from(most));
-        return Err(EngineError::LimitExceeded { what: "a side of the still", needed, allowed });
-    }
-    let ctx = Context::default();
-    ctx.set_theme(theme);
-    typeface::install(&ctx);
-    let mut renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
-    let mut shapes = Vec::new();
-    // egui needs more than one pass to settle its layout.
-    for _ in 0..3 {
-        let mut output = ctx.run_ui(input(size), |ui| {
-            egui::CentralPanel::default().show(ui, &mut show);
-        });
-        for (id, images) in output.textures_delta.set.drain() {
-            for image in images {
-                renderer.update_texture(&gpu.device, &gpu.queue, id, &image);
-            }
+}
+
+impl StillPainter {
+    /// Opens an adapter for pictures of a size.
+    pub fn new(size: [u32; 2], theme: Theme) -> Result<Self, EngineError> {
+        let adapter = adapters().into_iter().next();
+        let adapter = adapter.ok_or_else(|| EngineError::Unsupported(INSTALL_HINT.to_string()))?;
+        let gpu = Gpu::open(adapter)?;
+        let most = gpu.device.limits().max_texture_dimension_2d;
+        if let Some(&side) = size.iter().find(|side| **side > most) {
+            let (needed, allowed) = (u64::from(side), u64::from(most));
+            return Err(EngineError::LimitExceeded {
+                what: "a side of the still",
+                needed,
+                allowed,
+            });
         }
-        shapes = output.shapes;
+        let ctx = Context::default();
+        ctx.set_theme(theme);
+        typeface::install(&ctx);
+        let renderer = Renderer::new(&gpu.device, FORMAT, RendererOptions::PREDICTABLE);
+        Ok(StillPainter { gpu, renderer, ctx, size })
     }
-    let meshes = ctx.tessellate(shapes, 1.0);
-    let target = painted(&gpu, &mut renderer, &meshes, size);
-    gpu.check()?;
-    read_back(&gpu, &target, size)
+
+    /// Draws what `show` lays out.
+    pub fn paint(&mut self, mut show: impl FnMut(&mut Ui)) -> Result<Still, EngineError> {
+        let StillPainter { gpu, renderer, ctx, size } = self;
+        let mut shapes = Vec::new();
+        // egui needs more than one pass to settle its layout.
+        for _ in 0..3 {
+            let mut output = ctx.run_ui(input(*size), |ui| {
+                egui::CentralPanel::default().show(ui, &mut show);
+            });
+            for (id, images) in output.textures_delta.set.drain() {
+                for image in images {
+                    renderer.update_texture(&gpu.device, &gpu.queue, id, &image);
+                }
+            }
+            shapes = output.shapes;
+        }
+        let meshes = ctx.tessellate(shapes, 1.0);
+        let target = painted(gpu, renderer, &meshes, *size);
+        gpu.check()?;
+        read_back(gpu, &target, *size)
+    }
 }
 
 fn input(size: [u32; 2]) -> RawInput {

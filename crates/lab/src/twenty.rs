@@ -199,6 +199,10 @@ fn growth_words(growth: &Growth) -> String {
 }
 
 impl LiveFigure for Twenty {
+    fn copied(&self) -> Box<dyn LiveFigure> {
+        Box::new(self.clone())
+    }
+
     fn open(&mut self, start: State<f64>) {
         self.begin(start, self.count, self.nudge_rad);
     }

@@ -13,6 +13,7 @@ use super::settings::{EdgeSamples, Layers, Theme};
 use super::state::Dialog;
 use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_lab::Figure;
+use flipmap_lab::take_away::TakeAway;
 use flipmap_numbers::Exact;
 use flipmap_pendulum::State;
 use flipmap_scene::{Document, PictureTable, Scene};
@@ -76,6 +77,8 @@ pub enum LabAction {
     Lesson,
     /// Shows the figure before (−1) or after (1) the one that is shown.
     Step(isize),
+    /// Writes the figure that is shown to a file.
+    TakeAway(TakeAway),
 }
 
 /// An action of the user.
@@ -155,6 +158,8 @@ pub enum Action {
     AskForFile,
     /// Pastes a text, which should be a location.
     Paste(String),
+    /// Copies the set-up of the figure that is shown, as a line of text.
+    CopySetUp,
     /// Copies the location.
     CopyLocation,
     /// Centres the map on a start.

@@ -34,10 +34,15 @@ impl AppModel {
         match action {
             Action::SavePicture => {
                 let beside: &Path = self.forms.export.path.as_ref();
-                Some(Effect::SavePicture(shown(), self.saved_pictures.next_path(beside)))
+                let path = self.saved_pictures.next_path(beside, "flipmap", "png");
+                Some(Effect::SavePicture(shown(), path))
             }
             Action::CopyPicture => Some(Effect::CopyPicture(shown())),
             Action::CopyLocation => Some(Effect::Copy(self.state.copied_location())),
+            Action::CopySetUp => {
+                self.state.notices.tell("The set-up was copied: paste it anywhere, or here.");
+                Some(Effect::Copy(self.lab.set_up_text()))
+            }
             Action::FullScreen => Some(Effect::FullScreen),
             #[cfg(feature = "rigs")]
             Action::LoseDevice => Some(Effect::LoseDevice),
@@ -93,7 +98,7 @@ impl AppModel {
             Action::Visit(document) => self.go_to(|state| state.visit(*document)),
             Action::Open(path) => self.open(&path),
             Action::AskForFile => self.asking = Some(Asking::Open(FileDialog::open(self.waker()))),
-            Action::Paste(text) => self.go_to(|state| state.paste(&text)),
+            Action::Paste(text) => self.paste(&text),
             Action::Find(angle) => state.find(angle),
             Action::HoldNotices => state.notices.hold(),
             Action::Dismiss(id) => state.notices.dismiss(id),
@@ -105,6 +110,7 @@ impl AppModel {
             Action::SavePicture
             | Action::CopyPicture
             | Action::CopyLocation
+            | Action::CopySetUp
             | Action::FullScreen
             | Action::Wheel(..)
             | Action::Quit => {}
@@ -114,7 +120,7 @@ impl AppModel {
     }
 
     /// Goes somewhere, and opens the engine that `go` asks for by returning true.
-    fn go_to(&mut self, go: impl FnOnce(&mut AppState) -> bool) {
+    pub(super) fn go_to(&mut self, go: impl FnOnce(&mut AppState) -> bool) {
         let reopens = go(&mut self.state);
         self.follow(reopens);
     }

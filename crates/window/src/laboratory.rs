@@ -1,5 +1,7 @@
 //! The laboratory in the window: its figures in place of the map, or the map with an explanation.
 
+use std::path::Path;
+use std::sync::Arc;
 use std::time::Duration;
 
 use egui::{Align2, ScrollArea, Ui, vec2};
@@ -12,7 +14,8 @@ use super::panels::meant;
 use super::reach::Reach;
 use super::settings::Settings;
 use flipmap_lab::flips::explain;
-use flipmap_lab::{Figure, FigureRequest};
+use flipmap_lab::take_away::TakeAway;
+use flipmap_lab::{Figure, FigureRequest, set_up};
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::State;
 use flipmap_scene::{PendulumSpec, Plane, Scene};
@@ -21,6 +24,10 @@ use flipmap_scene::{PendulumSpec, Plane, Scene};
 const PART: f64 = 1.0 / 16.0;
 /// Time between two frames of a figure that plays.
 const FRAME: Duration = Duration::from_millis(40);
+/// Width and height in pixels of a figure that is taken away.
+const TAKEN_SIZE: [u32; 2] = [1280, 800];
+/// Longest film or data in s of a figure that is taken away.
+const MOST_SECS: f64 = 30.0;
 /// Scale of the interface before an audience, relative to the user's own.
 const PROJECTOR_SCALE: f32 = 1.6;
 
@@ -85,6 +92,37 @@ impl AppModel {
                 if let Some(figure) = lab.figure.beside(by).filter(|_| self.state.shown.lab) {
                     self.show_figure(Some(figure));
                 }
+            }
+            LabAction::TakeAway(kind) => self.take_away(kind),
+        }
+    }
+
+    /// Begins to write the figure that is shown to a new file beside the last picture.
+    fn take_away(&mut self, kind: TakeAway) {
+        let Some((_, _, ending)) = TakeAway::ALL.into_iter().find(|(other, ..)| *other == kind)
+        else {
+            return;
+        };
+        let beside: &Path = self.forms.export.path.as_ref();
+        let stem = format!("flipmap-{}", self.lab.figure.name());
+        let path = self.saved_pictures.next_path(beside, &stem, ending);
+        let secs = self.lab.live().map_or(0.0, |live| live.secs()).clamp(1.0, MOST_SECS);
+        let mut lab = self.lab.copied();
+        self.saved_pictures.begin(path, Arc::clone(&self.wake), move |path| {
+            let written = kind.write(&mut lab, path, TAKEN_SIZE, secs);
+            written.map_err(|error| format!("cannot write {}: {error}", path.display()))
+        });
+    }
+
+    /// Opens what was pasted: a figure's set-up, or the location of a map.
+    pub(super) fn paste(&mut self, text: &str) {
+        if !text.trim().starts_with(set_up::PREFIX) {
+            return self.go_to(|state| state.paste(text));
+        }
+        match self.lab.open_set_up(text) {
+            Ok(()) => self.show_figure(Some(self.lab.figure)),
+            Err(error) => {
+                self.state.notices.fail(format!("What was pasted opens nothing: {error}."))
             }
         }
     }
@@ -208,5 +246,7 @@ fn action_for(request: FigureRequest) -> Option<Action> {
         FigureRequest::ToMap(start) => Some(Action::FromLab(start)),
         FigureRequest::Show(figure) => Some(Action::Lab(Some(figure))),
         FigureRequest::EndLesson => None,
+        FigureRequest::CopySetUp => Some(Action::CopySetUp),
+        FigureRequest::TakeAway(kind) => Some(Action::InLab(LabAction::TakeAway(kind))),
     }
 }

@@ -1,4 +1,5 @@
-//! The map as it is on the screen, saved or copied at once: nothing is computed again.
+//! The map as it is on the screen, saved or copied at once: nothing is computed again. Figures of the
+//! laboratory are saved in the same way.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,30 +27,29 @@ struct Running {
 }
 
 impl SavedPictures {
-    /// Begins to write a picture of what a document shows.
+    /// Begins to `write` a file on a thread.
     pub(crate) fn begin(
         &mut self,
-        copied: CopiedPicture,
-        document: Document,
         path: PathBuf,
         wake: Wake,
+        write: impl FnOnce(&Path) -> Result<(), String> + Send + 'static,
     ) {
         let ((sender, news), to) = (channel(), path.clone());
         std::thread::spawn(move || {
-            // The window may have been closed by now; the picture is written all the same.
-            let _ = sender.send(write(copied, &document, &to));
+            // The window may have been closed by now; the file is written all the same.
+            let _ = sender.send(write(&to));
             wake();
         });
         self.running.push(Running { path, news });
     }
 
-    /// Returns the path of the next picture beside a file: flipmap-1.png, flipmap-2.png, … that
-    /// neither exists nor is being written.
-    pub(crate) fn next_path(&self, beside: &Path) -> PathBuf {
-        let near = beside.parent().unwrap_or(Path::new("")).join("flipmap.png");
+    /// Returns the path of the next picture or other file beside a file: flipmap-1.png,
+    /// flipmap-2.png, … that neither exists nor is being written.
+    pub(crate) fn next_path(&self, beside: &Path, stem: &str, ending: &str) -> PathBuf {
+        let near = beside.parent().unwrap_or(Path::new("")).join(format!("{stem}.{ending}"));
         let near = std::path::absolute(&near).unwrap_or(near);
         let is_taken = |path: &Path| self.running.iter().any(|running| running.path == path);
-        free_beside(&near, "flipmap", is_taken)
+        free_beside(&near, stem, is_taken)
     }
 
     /// Returns what has become of the pictures that are finished.
@@ -75,7 +75,10 @@ impl AppModel {
         path: PathBuf,
     ) {
         match copied {
-            Some(copied) => self.saved_pictures.begin(copied, of, path, Arc::clone(&self.wake)),
+            Some(copied) => {
+                let write = move |path: &Path| write(copied, &of, path);
+                self.saved_pictures.begin(path, Arc::clone(&self.wake), write);
+            }
             None => self.state.notices.fail("There is no map to save yet."),
         }
     }
@@ -141,14 +144,17 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let beside = folder.path().join("map.npy");
         let mut pictures = SavedPictures::default();
-        let first = pictures.next_path(&beside);
+        let first = pictures.next_path(&beside, "flipmap", "png");
         assert_eq!(first, folder.path().join("flipmap-1.png"));
         let (sender, news) = channel();
         pictures.running.push(Running { path: first.clone(), news });
-        assert_eq!(pictures.next_path(&beside), folder.path().join("flipmap-2.png"));
+        assert_eq!(
+            pictures.next_path(&beside, "flipmap", "png"),
+            folder.path().join("flipmap-2.png")
+        );
         assert!(pictures.news().is_empty());
         sender.send(Ok(())).unwrap();
         assert_eq!(pictures.news(), [Ok(first.clone())]);
-        assert_eq!(pictures.next_path(&beside), first, "it was never written");
+        assert_eq!(pictures.next_path(&beside, "flipmap", "png"), first, "it was never written");
     }
 }

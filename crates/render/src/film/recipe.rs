@@ -62,7 +62,7 @@ impl FilmRecipe<'_> {
         check_insets(self.film, &self.document.picture)?;
         FilmSink::check(self.output)?;
         let codec = Codec::of(self.output);
-        Ok(codec.map(|codec| tried(codec, quality, self.film, self.output)).transpose()?)
+        Ok(codec.map(|codec| tried(codec, quality, self.film.into(), self.output)).transpose()?)
     }
 
     /// Computes and writes the film frame by frame, with the encoding that [`Self::check`] has

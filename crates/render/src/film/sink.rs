@@ -36,7 +36,7 @@ impl FilmSink {
         encoding: Option<Encoding>,
     ) -> Result<Self, FilmRenderError> {
         Ok(match encoding {
-            Some(encoding) => FilmSink::Encoder(Encoder::start(&encoding, film, path)?),
+            Some(encoding) => FilmSink::Encoder(Encoder::start(&encoding, film.into(), path)?),
             None => FilmSink::Frames(Box::new(Frames::open(path, film, document)?)),
         })
     }

@@ -6,12 +6,11 @@ use std::process::{Child, ChildStderr};
 use std::thread::JoinHandle;
 
 use super::count::frames_in;
-use super::{Codec, Encoding, FfmpegError, spawned};
+use super::{Codec, Encoding, FfmpegError, FrameFormat, spawned};
 use crate::output::{Destination, SafeFile};
-use flipmap_scene::film::Film;
 
 /// A film being encoded; dropping it unfinished leaves no file.
-pub(crate) struct Encoder {
+pub struct Encoder {
     child: Child,
     errors: Option<JoinHandle<Vec<String>>>,
     file: Option<SafeFile>,
@@ -29,21 +28,21 @@ const LAST_LINES: usize = 5;
 
 impl Encoder {
     /// Refuses pipes and devices.
-    pub(crate) fn check_place(path: &Path) -> io::Result<()> {
+    pub fn check_place(path: &Path) -> io::Result<()> {
         let is_plain = !path.exists() || path.is_file() || path.is_dir();
         if is_plain { Ok(()) } else { Err(no_plain_file()) }
     }
 
     /// Starts ffmpeg.
-    pub(crate) fn start(
+    pub fn start(
         encoding: &Encoding,
-        film: &Film,
+        frames: FrameFormat,
         path: &Path,
     ) -> Result<Self, FfmpegError> {
         let unwritable = |source| FfmpegError::File { path: path.to_path_buf(), source };
         let file = SafeFile::create(&Destination::from(path)).map_err(unwritable)?;
         let beside = file.beside().ok_or_else(|| unwritable(no_plain_file()))?;
-        let mut child = spawned(encoding, film, beside)?;
+        let mut child = spawned(encoding, frames, beside)?;
         let errors = child.stderr.take().map(|stderr| std::thread::spawn(|| last_lines(stderr)));
         Ok(Encoder {
             child,
@@ -56,7 +55,7 @@ impl Encoder {
     }
 
     /// Passes a frame on to ffmpeg.
-    pub(crate) fn write(&mut self, rgb: &[u8]) -> Result<(), FfmpegError> {
+    pub fn write(&mut self, rgb: &[u8]) -> Result<(), FfmpegError> {
         let Some(stdin) = &mut self.child.stdin else { return Ok(()) };
         self.frames += 1;
         if stdin.write_all(rgb).is_ok() {
@@ -67,7 +66,7 @@ impl Encoder {
     }
 
     /// Waits until ffmpeg is done, counts the frames of the film, and renames it to its destination.
-    pub(crate) fn finish(mut self) -> Result<(), FfmpegError> {
+    pub fn finish(mut self) -> Result<(), FfmpegError> {
         drop(self.child.stdin.take());
         let status = self.child.wait();
         let lines = self.last_lines();

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 pub use codec::{Codec, Encoding, FilmQuality};
-pub(super) use encoder::Encoder;
+pub use encoder::Encoder;
 pub use trial::tried;
 
 use flipmap_scene::SceneError;
@@ -60,10 +60,25 @@ pub enum FfmpegError {
     },
 }
 
+/// The frames of a film as they come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameFormat {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Number of frames per second.
+    pub fps: f64,
+}
+
+impl From<&Film> for FrameFormat {
+    fn from(film: &Film) -> Self {
+        FrameFormat { size: film.size, fps: film.fps }
+    }
+}
+
 /// Starts ffmpeg, which reads frames from its standard input and says what fails on standard error.
-fn spawned(encoding: &Encoding, film: &Film, to: &Path) -> Result<Child, FfmpegError> {
+fn spawned(encoding: &Encoding, frames: FrameFormat, to: &Path) -> Result<Child, FfmpegError> {
     Command::new("ffmpeg")
-        .args(arguments(encoding, film, to))
+        .args(arguments(encoding, frames, to))
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -71,16 +86,16 @@ fn spawned(encoding: &Encoding, film: &Film, to: &Path) -> Result<Child, FfmpegE
         .map_err(FfmpegError::Missing)
 }
 
-/// Returns the arguments with which ffmpeg writes `film` to `to`, reading frames from standard
+/// Returns the arguments with which ffmpeg writes a film to `to`, reading frames from standard
 /// input.
-pub fn arguments(encoding: &Encoding, film: &Film, to: &Path) -> Vec<OsString> {
-    let [width, height] = film.size;
+pub fn arguments(encoding: &Encoding, frames: FrameFormat, to: &Path) -> Vec<OsString> {
+    let [width, height] = frames.size;
     let text = format!(
         "-hide_banner -loglevel error -y -f rawvideo -pixel_format rgb24 \
          -video_size {width}x{height} -framerate {} -i pipe:0 -an {} -map_metadata -1 \
          -fflags +bitexact -flags:v +bitexact -f {}",
-        film.fps,
-        encoding.options(film.size),
+        frames.fps,
+        encoding.options(frames.size),
         encoding.codec.container()
     );
     let words = text.split_whitespace().map(OsString::from);

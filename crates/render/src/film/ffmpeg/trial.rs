@@ -7,9 +7,8 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::{Codec, Encoding, FfmpegError, FilmQuality, spawned};
+use super::{Codec, Encoding, FfmpegError, FilmQuality, FrameFormat, spawned};
 use crate::output::{Destination, SafeFile};
-use flipmap_scene::film::Film;
 
 /// Time within which ffmpeg must have encoded a frame.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -20,16 +19,16 @@ const TOLD: usize = 300;
 pub fn tried(
     codec: Codec,
     quality: FilmQuality,
-    film: &Film,
+    frames: FrameFormat,
     to: &Path,
 ) -> Result<Encoding, FfmpegError> {
-    codec.check(film.size, quality)?;
+    codec.check(frames.size, quality)?;
     let listed = listed_encoders()?;
     let is_listed = |encoder: &str| listed.split_whitespace().any(|word| word == encoder);
     let mut failure = None;
     for encoder in codec.encoders().iter().copied().filter(|encoder| is_listed(encoder)) {
         let encoding = Encoding { codec, encoder, quality };
-        match encode_one(&encoding, film, to) {
+        match encode_one(&encoding, frames, to) {
             Ok(()) => return Ok(encoding),
             Err(FfmpegError::Trial(why)) => failure = failure.or(Some(why)),
             Err(error) => return Err(error),
@@ -84,13 +83,13 @@ fn ended(child: &mut Child) -> Result<ExitStatus, FfmpegError> {
 }
 
 /// Encodes a black frame to a file that is removed again.
-fn encode_one(encoding: &Encoding, film: &Film, to: &Path) -> Result<(), FfmpegError> {
+fn encode_one(encoding: &Encoding, frames: FrameFormat, to: &Path) -> Result<(), FfmpegError> {
     let unwritable = |source| FfmpegError::File { path: to.to_path_buf(), source };
     let file = SafeFile::create(&Destination::from(to)).map_err(unwritable)?;
     // A pipe or a device has been refused before.
     let Some(beside) = file.beside() else { return Ok(()) };
-    let mut child = spawned(encoding, film, beside)?;
-    let bytes = film.size.map(|side| side as usize).iter().product::<usize>() * 3;
+    let mut child = spawned(encoding, frames, beside)?;
+    let bytes = frames.size.map(|side| side as usize).iter().product::<usize>() * 3;
     let stdin = child.stdin.take();
     // It may stop reading; its messages and the file then say why.
     let feeding = std::thread::spawn(move || stdin.map(|mut to| to.write_all(&vec![0; bytes])));
