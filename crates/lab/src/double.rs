@@ -10,6 +10,7 @@ use super::double_simulation::{DoublePendulumSimulation, draw_rods};
 use super::drawing::{FigureCanvas, StageReach, Tint, end, ends, wrapped};
 use super::quantity::{Quantity, energy};
 use super::reversal::{MAX_OUT_SECS, Reversal};
+use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::twin::Twin;
 use super::{FigureRequest, LiveFigure};
@@ -135,6 +136,7 @@ impl Double {
         }
         stage.label([0.0; 2], "pivot", faint);
         self.drag(&stage, &response, Some(handles));
+        StageRuler::lay_on(ui, &stage);
     }
 
     /// Draws the pendulum on its way back, `secs` after the turn, over the one in double-double.

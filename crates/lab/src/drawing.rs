@@ -172,8 +172,9 @@ impl FigureCanvas {
 
     /// Draws a dashed line from one place to another.
     pub(crate) fn dashed(&self, from: [f64; 2], to: [f64; 2], colour: Color32) {
-        let stroke = Stroke::new(1.0, colour);
-        self.painter.extend(Shape::dashed_line(&[self.at(from), self.at(to)], stroke, 5.0, 4.0));
+        let (ends, stroke) = ([self.at(from), self.at(to)], Stroke::new(1.0, colour));
+        self.taken.line(ends);
+        self.painter.extend(Shape::dashed_line(&ends, stroke, 5.0, 4.0));
     }
 
     /// Draws a bob whose area is proportional to its mass in kg, within limits.

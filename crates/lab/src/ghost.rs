@@ -4,9 +4,10 @@ use egui::{Grid, Ui, Vec2};
 
 use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
-use super::controls::{coloured_row, row};
+use super::controls::{coloured_row, energy_bar, row};
 use super::drawing::{FigureCanvas, StageReach, Tint, end};
 use super::formula::{Fence, Formula};
+use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
@@ -59,6 +60,7 @@ impl Ghost {
         stage.pivot();
         stage.bob(self.0.bob(), self.0.mass, two);
         self.0.drag(&stage, &response);
+        StageRuler::lay_on(ui, &stage);
     }
 
     /// Returns the ghost's current angle in rad.
@@ -133,6 +135,7 @@ impl LiveFigure for Ghost {
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         self.0.controls(ui);
         ui.separator();
+        energy_bar(ui, "energy", self.0.energy(self.0.now()));
         let (simple, tint) = (self.0.simple, Tint::of(ui));
         Grid::new("ghost now").num_columns(2).show(ui, |ui| {
             row(ui, "time", format!("{} s", column(self.0.secs(), 2, 4)));

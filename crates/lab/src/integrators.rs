@@ -7,9 +7,10 @@ use egui::{Color32, Grid, Ui, Vec2};
 use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
-use super::controls::{ANGLES, SPEEDS, coloured_row, number_on, thrown};
+use super::controls::{ANGLES, SPEEDS, coloured_row, energy_bar, number_on, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, StageReach, Tint, ends, wrapped};
+use super::quantity::energy;
 use super::set_up::SetUpWord;
 use super::sweep::Sweep;
 use super::{FigureRequest, LiveFigure};
@@ -17,6 +18,7 @@ use flipmap_numbers::number_text::{fixed, signed};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::{euler, rk4, semi_implicit_euler};
 use flipmap_pendulum::{Pendulum, State};
+use flipmap_scene::PendulumSpec;
 
 /// One of the three integrators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,6 +116,23 @@ pub(crate) struct Integrators {
     clock: Clock,
     runs: [MethodRun; 3],
     sweep: Sweep,
+    /// True if the slopes of RK4's next step are drawn.
+    has_slopes: bool,
+}
+
+/// Seconds of motion that the arrow of a slope is long.
+const SLOPE_SECS: f64 = 0.1;
+
+/// Returns the states at which RK4 evaluates its four slopes in a step of `secs`.
+fn rk4_stages(pendulum: &Pendulum<f64>, state: &State<f64>, secs: f64) -> [State<f64>; 4] {
+    let moved = |by: f64, slope: &State<f64>| {
+        let alpha = pendulum.acceleration(slope);
+        let add = |from: [f64; 2], rate: [f64; 2]| [0, 1].map(|bob| from[bob] + by * rate[bob]);
+        State { angle: add(state.angle, slope.speed), speed: add(state.speed, alpha) }
+    };
+    let second = moved(0.5 * secs, state);
+    let third = moved(0.5 * secs, &second);
+    [*state, second, third, moved(secs, &third)]
 }
 
 /// Simulated time in seconds after which the figure restarts.
@@ -147,7 +166,14 @@ impl Integrators {
             clock: Clock::new(step_secs),
             runs: [run.clone(), run.clone(), run],
             sweep: Sweep::default(),
+            has_slopes: false,
         }
+    }
+
+    /// Begins again from a start with another step.
+    fn begin(&mut self, start: State<f64>, step_secs: f64) {
+        let has_slopes = self.has_slopes;
+        *self = Integrators { has_slopes, ..Integrators::new(start, step_secs) };
     }
 
     /// Draws the three pendulums over one another, each with its trail and its name.
@@ -171,11 +197,28 @@ impl Integrators {
         }
         stage.pivot();
         stage.note(None, "One start and one Δt: where the colours part, a method is wrong.");
+        if self.has_slopes {
+            self.draw_slopes(&stage);
+        }
         for (k, (_, name)) in Integrator::ALL.into_iter().enumerate() {
             let words = self.runs[k].diverged_at.map_or(name.to_string(), |at| {
                 format!("{name}: diverged at t = {} s", fixed(at, 2))
             });
             stage.label(places[k][1], &words, colours[k]);
+        }
+    }
+
+    /// Draws the velocities of the second bob at the four stages of RK4's next step.
+    fn draw_slopes(&self, stage: &FigureCanvas) {
+        let colour = stage.tint.parts[3];
+        let stages = rk4_stages(&pendulum(), &self.runs[2].state, self.step_secs);
+        for (k, state) in stages.iter().enumerate() {
+            let at = ends([1.0, 1.0], state.angle)[1];
+            let later = [0, 1].map(|bob| state.angle[bob] + 1e-6 * state.speed[bob]);
+            let to = ends([1.0, 1.0], later)[1];
+            let by = [0, 1].map(|i| SLOPE_SECS * 1e6 * (to[i] - at[i]));
+            stage.arrow(at, by, colour);
+            stage.label([at[0] + by[0], at[1] + by[1]], &format!("k{}", k + 1), colour);
         }
     }
 
@@ -224,12 +267,13 @@ impl LiveFigure for Integrators {
     }
 
     fn open(&mut self, start: State<f64>) {
-        *self = Integrators::new(start, self.step_secs);
+        self.begin(start, self.step_secs);
     }
 
     fn restart(&mut self) {
-        let sweep = self.sweep.clone();
-        *self = Integrators { sweep, ..Integrators::resting(self.start, self.step_secs) };
+        let (sweep, has_slopes) = (self.sweep.clone(), self.has_slopes);
+        let fresh = Integrators::resting(self.start, self.step_secs);
+        *self = Integrators { sweep, has_slopes, ..fresh };
     }
 
     fn secs(&self) -> f64 {
@@ -280,9 +324,20 @@ impl LiveFigure for Integrators {
             changed |= number_on(ui, "θ1", " rad", &mut start.angle[0], -3.1..=3.1, false);
             changed |= number_on(ui, "θ2", " rad", &mut start.angle[1], -3.1..=3.1, false);
         });
-        if changed || ui.button("Restart").clicked() {
-            *self = Integrators::new(start, step_ms / 1e3);
-        }
+        let mut asked = None;
+        ui.horizontal_wrapped(|ui| {
+            if changed || ui.button("Restart").clicked() {
+                self.begin(start, step_ms / 1e3);
+            }
+            let hint = "Pauses, and takes one step of Δt with all three";
+            if ui.button("One step").on_hover_text(hint).clicked() {
+                self.clock.taken += 1;
+                self.step(self.clock.secs());
+                asked = Some(FigureRequest::Pause);
+            }
+            let hint = "The velocities of the second bob that RK4 averages in its next step";
+            ui.checkbox(&mut self.has_slopes, "Slopes of RK4").on_hover_text(hint);
+        });
         ui.separator();
         Grid::new("integrators now").num_columns(2).show(ui, |ui| {
             thrown(ui, &self.start);
@@ -299,12 +354,15 @@ impl LiveFigure for Integrators {
                 );
             }
         });
+        for (run, (_, name)) in self.runs.iter().zip(Integrator::ALL) {
+            ui.label(name);
+            energy_bar(ui, name, energy(&PendulumSpec::default(), &run.state));
+        }
         if self.runs.iter().any(|run| run.diverged_at.is_some()) {
             ui.label("Restart with a smaller Δt: energy grew without bound.");
         }
-        ui.button("Show this start on the map")
-            .clicked()
-            .then_some(FigureRequest::ToMap(self.start))
+        let to_map = ui.button("Show this start on the map").clicked();
+        asked.or(to_map.then_some(FigureRequest::ToMap(self.start)))
     }
 
     fn set_up(&self) -> Vec<SetUpWord> {
@@ -318,7 +376,7 @@ impl LiveFigure for Integrators {
 
     fn take_set_up(&mut self, numbers: &[f64]) {
         if let &[t1, t2, step_secs, w1, w2] = numbers {
-            *self = Integrators::new(State { angle: [t1, t2], speed: [w1, w2] }, step_secs);
+            self.begin(State { angle: [t1, t2], speed: [w1, w2] }, step_secs);
         }
     }
 
@@ -367,6 +425,27 @@ mod tests {
         }
         let growth = (energy(&state) / before).powf(0.01);
         assert!((growth - (1.0 + h * h * omega2)).abs() < 1e-7, "{growth}");
+    }
+
+    #[test]
+    fn the_slopes_that_are_drawn_make_the_step() {
+        let state = State { angle: [1.1, -0.7], speed: [2.0, -3.0] };
+        let (pendulum, h) = (pendulum(), 0.05);
+        let weights = [1.0, 2.0, 2.0, 1.0].map(|weight| weight * h / 6.0);
+        let mut next = state;
+        for (stage, weight) in rk4_stages(&pendulum, &state, h).iter().zip(weights) {
+            let slope = State { angle: stage.speed, speed: pendulum.acceleration(stage) };
+            let change = State {
+                angle: slope.angle.map(|x| weight * x),
+                speed: slope.speed.map(|x| weight * x),
+            };
+            next = next.plus(&change);
+        }
+        let step = Integrator::Rk4.step(&pendulum, &state, h);
+        for bob in 0..2 {
+            assert!((next.angle[bob] - step.angle[bob]).abs() < 1e-13);
+            assert!((next.speed[bob] - step.speed[bob]).abs() < 1e-12);
+        }
     }
 
     #[test]

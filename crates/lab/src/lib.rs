@@ -37,6 +37,7 @@ mod playing;
 mod predictions;
 mod quantity;
 mod reversal;
+mod ruler;
 pub mod set_up;
 pub mod sheet;
 mod single;
@@ -53,6 +54,7 @@ use egui::{Key, ScrollArea, Ui, vec2};
 use figures::{ENTRIES, Entry};
 use lesson::Lesson;
 use playing::Playing;
+use ruler::StageRuler;
 use set_up::SetUpWord;
 use take_away::TakeAway;
 
@@ -132,6 +134,8 @@ pub enum FigureRequest {
     Show(Figure),
     /// Ends the lesson.
     EndLesson,
+    /// Pauses the figure that is shown.
+    Pause,
     /// Copies the set-up of the figure that is shown.
     CopySetUp,
     /// Writes the figure that is shown to a file.
@@ -338,7 +342,13 @@ impl Lab {
         }
         let room = ui.available_width() - BESIDE_SLIDER;
         ui.spacing_mut().slider_width = room.clamp(*SLIDER_WIDTH.start(), *SLIDER_WIDTH.end());
-        let asked = self.live()?.controls(ui);
+        let mut asked = self.live()?.controls(ui);
+        if asked == Some(FigureRequest::Pause) {
+            self.playing.paused = true;
+            asked = None;
+        }
+        ui.separator();
+        StageRuler::switch(ui);
         told.or(asked).or(take_away_buttons(ui))
     }
 
@@ -354,7 +364,6 @@ impl Lab {
 
 /// Shows the ways to take a figure away.
 fn take_away_buttons(ui: &mut Ui) -> Option<FigureRequest> {
-    ui.separator();
     let mut asked = None;
     ui.horizontal_wrapped(|ui| {
         ui.label("Take away");

@@ -5,6 +5,7 @@ use egui::{Grid, Ui, vec2};
 use super::controls::{build, energy_bar, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{FigureCanvas, LETTER, StageReach, Tint};
+use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::{FigureRequest, LiveFigure};
 use super::{equation, quantity};
@@ -57,6 +58,7 @@ impl LiveFigure for MachineFigure {
         let words = "with Δ = θ1 − θ2. Drag either bob to aim it again, or throw it.";
         stage.note(Some(equation::short(&tint)), words);
         self.0.drag(&stage, &response, None);
+        StageRuler::lay_on(ui, &stage);
         ui.add_space(8.0);
         formula.show(ui, size.x, LETTER, &equation::told(&self.0));
     }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use egui::{Slider, Ui};
 
 use super::LiveFigure;
-use flipmap_numbers::number_text::column;
+use flipmap_numbers::number_text::{column, fixed};
 
 /// The state of a figure's playback.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +18,39 @@ pub struct Playing {
     held_at: Option<f64>,
     /// Moment in s to reach by running the figure again.
     goal_secs: Option<f64>,
+    /// The stopwatch.
+    stopwatch: Stopwatch,
+}
+
+/// A stopwatch in the figure's own time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Stopwatch {
+    #[default]
+    Zero,
+    /// Running since this moment in s.
+    Since(f64),
+    /// Stopped after this time in s.
+    After(f64),
+}
+
+impl Stopwatch {
+    /// Returns what it shows at a moment; it begins again when the figure does.
+    fn secs(self, now_secs: f64) -> f64 {
+        match self {
+            Stopwatch::Zero => 0.0,
+            Stopwatch::Since(begun_secs) => (now_secs - begun_secs).max(0.0),
+            Stopwatch::After(secs) => secs,
+        }
+    }
+
+    /// Starts, stops or clears it, in this order.
+    fn press(&mut self, now_secs: f64) {
+        *self = match *self {
+            Stopwatch::Zero => Stopwatch::Since(now_secs),
+            Stopwatch::Since(_) => Stopwatch::After(self.secs(now_secs)),
+            Stopwatch::After(_) => Stopwatch::Zero,
+        };
+    }
 }
 
 /// Speeds in simulated seconds per second, each with its name.
@@ -25,7 +58,9 @@ pub(crate) const SPEEDS: [(f64, &str); 5] =
     [(0.01, "1/100"), (0.1, "1/10"), (0.25, "1/4"), (0.5, "1/2"), (1.0, "1")];
 /// Width in points that the buttons of the speeds need beside the slider; keys change the speed
 /// without them.
-const SPEEDS_WIDTH: f32 = 400.0;
+const SPEEDS_WIDTH: f32 = 560.0;
+/// Width in points that the stopwatch needs beside the slider.
+const WATCH_WIDTH: f32 = 400.0;
 /// Longest piece of time in s by which a figure is advanced when it is run again.
 const PIECE_SECS: f64 = 0.05;
 /// Longest time that a frame may spend on running a figure again.
@@ -42,7 +77,7 @@ impl Default for Playing {
 impl Playing {
     /// Creates a playback at a speed in simulated seconds per second.
     pub(crate) fn at_speed(speed: f64) -> Self {
-        Playing { paused: false, speed, held_at: None, goal_secs: None }
+        Playing { paused: false, speed, held_at: None, goal_secs: None, stopwatch: Stopwatch::Zero }
     }
 
     /// Returns true if the next frame will look different.
@@ -104,6 +139,14 @@ impl Playing {
             }
             if !briefly && ui.available_width() >= SPEEDS_WIDTH {
                 self.speeds(ui);
+            }
+            if ui.available_width() >= WATCH_WIDTH {
+                let now_secs = live.secs();
+                let watch = format!("Stopwatch {} s", fixed(self.stopwatch.secs(now_secs), 2));
+                let watch = ui.button(watch).on_hover_text("Starts, stops and clears it");
+                if watch.clicked() {
+                    self.stopwatch.press(now_secs);
+                }
             }
             self.scrubber(ui, live.secs());
         });
@@ -177,5 +220,18 @@ mod tests {
         lab.playing.shift_speed(9);
         lab.playing.paused = false;
         assert!((secs(&mut lab) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_stopwatch_measures_in_the_figures_time() {
+        let mut watch = super::Stopwatch::Zero;
+        watch.press(2.0);
+        assert!((watch.secs(5.5) - 3.5).abs() < 1e-12);
+        watch.press(6.0);
+        assert_eq!(watch.secs(99.0), 4.0, "it is stopped");
+        watch.press(7.0);
+        assert_eq!(watch.secs(99.0), 0.0);
+        watch.press(9.0);
+        assert_eq!(watch.secs(0.0), 0.0, "the figure began again");
     }
 }

@@ -7,6 +7,7 @@ use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::controls::{energy_bar, row};
 use super::drawing::{FigureCanvas, StageReach, Tint, end};
 use super::formula::Formula;
+use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::single_simulation::SinglePendulumSimulation;
 use super::{FigureRequest, LiveFigure};
@@ -30,14 +31,6 @@ const WEIGHT: f64 = 0.3;
 const CHART_SECS: f64 = 10.0;
 
 impl Single {
-    /// Returns the kinetic and potential energy of a state in J, both zero where the bob hangs at
-    /// rest.
-    fn energy(&self, swing: Swing) -> [f64; 2] {
-        let (mass, simple) = (self.0.mass, self.0.simple);
-        let kinetic = 0.5 * mass * (simple.length * swing.speed).powi(2);
-        [kinetic, mass * simple.gravity * simple.length * (1.0 - swing.angle.cos())]
-    }
-
     /// Returns a chart of both kinds of energy and their sum against time.
     fn energy_chart(&self, tint: &Tint) -> Chart {
         let now = self.0.secs();
@@ -45,9 +38,9 @@ impl Single {
         let states = || self.0.path.iter().copied().chain([(now, self.0.now())]);
         let curve = |part: &dyn Fn([f64; 2]) -> f64| -> Vec<[f64; 2]> {
             let recent = states().filter(|(secs, _)| *secs >= from);
-            recent.map(|(secs, swing)| [secs, part(self.energy(swing))]).collect()
+            recent.map(|(secs, swing)| [secs, part(self.0.energy(swing))]).collect()
         };
-        let most = self.energy(Swing { angle: self.0.amplitude, speed: 0.0 })[1].max(1e-3);
+        let most = self.0.energy(Swing { angle: self.0.amplitude, speed: 0.0 })[1].max(1e-3);
         Chart {
             across: ChartAxis::new("time, s", from..=from + CHART_SECS, AxisScale::Linear),
             up: ChartAxis::new("energy, J", 0.0..=1.1 * most, AxisScale::Linear),
@@ -107,6 +100,7 @@ impl Single {
         stage.label(along, &format!("rod r = {} m", fixed(length, 2)), ink);
         stage.label([0.0; 2], "pivot", faint);
         self.0.drag(&stage, &response);
+        StageRuler::lay_on(ui, &stage);
     }
 }
 
@@ -166,7 +160,7 @@ impl LiveFigure for Single {
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         self.0.controls(ui);
         ui.separator();
-        energy_bar(ui, "energy", self.energy(self.0.now()));
+        energy_bar(ui, "energy", self.0.energy(self.0.now()));
         Grid::new("single now").num_columns(2).show(ui, |ui| {
             row(ui, "time", format!("{} s", column(self.0.secs(), 3, 8)));
             row(ui, "θ", format!("{} rad", column(self.0.swing.angle, 4, 8)));
@@ -212,7 +206,7 @@ mod tests {
         let chart = live.energy_chart(&Tint::DARK);
         let [kinetic, potential, sum] = [0, 1, 2].map(|k| &chart.curves[k].points);
         assert!(sum.len() > 500 && sum[0][0] >= live.secs() - CHART_SECS);
-        let whole = live.energy(Swing { angle: 2.5, speed: 0.0 })[1];
+        let whole = live.0.energy(Swing { angle: 2.5, speed: 0.0 })[1];
         for ((kinetic, potential), sum) in kinetic.iter().zip(potential).zip(sum) {
             assert!((sum[1] / whole - 1.0).abs() < 1e-6, "{sum:?} of {whole}");
             assert!(kinetic[1] >= 0.0 && potential[1] <= whole * (1.0 + 1e-6));

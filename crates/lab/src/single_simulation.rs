@@ -116,6 +116,14 @@ impl SinglePendulumSimulation {
         }
     }
 
+    /// Returns the kinetic and potential energy of a state in J, both zero where the bob hangs at
+    /// rest.
+    pub(super) fn energy(&self, swing: Swing) -> [f64; 2] {
+        let (mass, simple) = (self.mass, self.simple);
+        let kinetic = 0.5 * mass * (simple.length * swing.speed).powi(2);
+        [kinetic, mass * simple.gravity * simple.length * (1.0 - swing.angle.cos())]
+    }
+
     /// Returns the set-up of the figure.
     pub(super) fn set_up(&self) -> Vec<SetUpWord> {
         let simple = &self.simple;

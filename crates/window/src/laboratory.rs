@@ -240,12 +240,12 @@ impl AppModel {
     }
 }
 
-/// Returns the action that a figure's request asks for; the end of the lesson needs none.
+/// Returns the action that a figure's request asks for; what the lab has done itself needs none.
 fn action_for(request: FigureRequest) -> Option<Action> {
     match request {
         FigureRequest::ToMap(start) => Some(Action::FromLab(start)),
         FigureRequest::Show(figure) => Some(Action::Lab(Some(figure))),
-        FigureRequest::EndLesson => None,
+        FigureRequest::EndLesson | FigureRequest::Pause => None,
         FigureRequest::CopySetUp => Some(Action::CopySetUp),
         FigureRequest::TakeAway(kind) => Some(Action::InLab(LabAction::TakeAway(kind))),
     }
