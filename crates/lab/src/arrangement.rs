@@ -10,6 +10,9 @@ const CHARTS_PART: f32 = 0.45;
 const CHARTS_HEIGHT: f32 = 0.38;
 /// Largest height of a chart in a column, relative to its width.
 const CHART_RATIO: f32 = 1.2;
+/// Least width and height of a stage beside which, or above which, charts are seen at once, in
+/// points.
+const LEAST_STAGE: f32 = 300.0;
 /// Space between the stage and the charts in points.
 const GAP: f32 = 8.0;
 
@@ -18,7 +21,8 @@ const GAP: f32 = 8.0;
 pub(super) enum Arrangement {
     /// In a column to the right of the stage.
     Beside { stage: Vec2, chart: Vec2 },
-    /// Below the stage, side by side, or below one another where that leaves them too little width.
+    /// Below the stage, side by side, or below one another where that leaves them too little width;
+    /// in a small area, below its lower end, where they are scrolled to.
     Below { stage: Vec2, chart: Vec2 },
 }
 
@@ -32,6 +36,10 @@ impl Arrangement {
         let beside = vec2(size.x - column - GAP, size.y);
         let row = CHARTS_HEIGHT * size.y;
         let below = vec2(size.x, size.y - row - GAP);
+        let larger = beside.min_elem().max(below.min_elem());
+        if larger < LEAST_STAGE.min(0.8 * size.min_elem()) {
+            return Arrangement::Below { stage: size, chart: vec2(size.x, row) };
+        }
         if beside.min_elem() >= below.min_elem() {
             let high = (size.y - GAP * (count - 1.0)) / count;
             let chart = vec2(column, high.min(CHART_RATIO * column));
@@ -82,6 +90,11 @@ mod tests {
         };
         assert_eq!(stage, vec2(640.0, 612.0));
         assert_eq!(chart, vec2(316.0, 380.0));
+        let small = Arrangement::of(vec2(470.0, 395.0), 2);
+        let Arrangement::Below { stage, .. } = small else {
+            panic!("a small figure has its charts below")
+        };
+        assert_eq!(stage, vec2(470.0, 395.0), "the stage takes all that is seen");
         let Arrangement::Below { chart, .. } = Arrangement::of(vec2(400.0, 900.0), 2) else {
             panic!("a narrow figure has its charts below the stage")
         };

@@ -68,7 +68,7 @@ const LEAST: Vec2 = vec2(160.0, 136.0);
 /// Height of a row of the legend above the chart, in points.
 const HEAD: f32 = 16.0;
 /// Largest number of points drawn for a curve; more could not be told apart.
-const MAX_POINTS: usize = 800;
+const MAX_POINTS: usize = 300;
 
 impl Curve {
     /// Creates a solid curve with a name in the legend.

@@ -89,7 +89,7 @@ const LEAST_HEIGHT: f32 = 200.0;
 /// Margin in points around the reach of a pendulum, for its bobs.
 const RIM: f32 = 16.0;
 /// Width of the halo of labels in points.
-const HALO: f32 = 1.5;
+const HALO: f32 = 1.2;
 
 /// What a canvas has to show, in metres.
 #[derive(Clone, Copy, Debug)]
@@ -238,7 +238,7 @@ impl FigureCanvas {
         if let Some(leader) = leader {
             self.painter.line_segment(leader, Stroke::new(1.0, colour.gamma_multiply(0.6)));
         }
-        for (x, y) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {
+        for (x, y) in [(1, 1), (-1, 1), (1, -1), (-1, -1)] {
             let corner = area.min + HALO * vec2(x as f32, y as f32);
             let ground = self.tint.ground;
             self.painter.galley_with_override_text_color(corner, galley.clone(), ground);

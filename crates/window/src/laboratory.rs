@@ -23,7 +23,7 @@ use flipmap_scene::{PendulumSpec, Plane, Scene};
 /// Width of the view that shows a start from the laboratory, as a fraction of the home view's.
 const PART: f64 = 1.0 / 16.0;
 /// Time between two frames of a figure that plays.
-const FRAME: Duration = Duration::from_millis(40);
+const FRAME: Duration = Duration::from_millis(20);
 /// Width and height in pixels of a figure that is taken away.
 const TAKEN_SIZE: [u32; 2] = [1280, 800];
 /// Longest film or data in s of a figure that is taken away.
