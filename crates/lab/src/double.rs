@@ -5,7 +5,7 @@ use egui::{Button, ComboBox, Grid, Response, Ui, Vec2, vec2};
 
 use super::arrangement::Arrangement;
 use super::chart::{Chart, ChartAxis, Curve};
-use super::controls::{build, energy_bar, friction, row, thrown};
+use super::controls::{FRICTIONS, build, energy_bar, friction, row, thrown};
 use super::double_simulation::{DoublePendulumSimulation, draw_rods};
 use super::drawing::{FigureCanvas, StageReach, Tint, end, ends, wrapped};
 use super::quantity::{Quantity, energy};
@@ -322,11 +322,16 @@ impl LiveFigure for Double {
     }
 
     fn set_up(&self) -> Vec<SetUpWord> {
-        self.simulation.set_up()
+        let mut words = self.simulation.set_up();
+        let friction = self.simulation.build.friction[0].value();
+        words.push(SetUpWord::numbers("friction", [friction], FRICTIONS));
+        words
     }
 
     fn take_set_up(&mut self, numbers: &[f64]) {
-        self.simulation.take_set_up(numbers);
+        let Some((&friction, others)) = numbers.split_last() else { return };
+        self.simulation.take_set_up(others);
+        self.simulation.build.friction = [friction.into(); 2];
         self.begin(self.simulation.start);
     }
 

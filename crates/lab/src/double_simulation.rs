@@ -3,7 +3,7 @@
 use egui::Response;
 
 use super::clock::Clock;
-use super::controls::{ANGLES, FRICTIONS, GRAVITIES, LENGTHS, MASSES, SPEEDS};
+use super::controls::{ANGLES, GRAVITIES, LENGTHS, MASSES, SPEEDS};
 use super::drawing::{FigureCanvas, angle_of, ends, wrapped};
 use super::set_up::SetUpWord;
 use flipmap_numbers::number_text::fixed;
@@ -65,9 +65,9 @@ impl DoublePendulumSimulation {
         self.path.clear();
     }
 
-    /// Returns the set-up of the figure.
+    /// Returns the set-up of the figure, without friction.
     pub(super) fn set_up(&self) -> Vec<SetUpWord> {
-        let PendulumSpec { kind, gravity, friction, .. } = &self.build;
+        let PendulumSpec { kind, gravity, .. } = &self.build;
         let State { angle, speed } = self.start;
         vec![
             SetUpWord::numbers("start", angle, ANGLES),
@@ -75,17 +75,15 @@ impl DoublePendulumSimulation {
             SetUpWord::numbers("lengths", self.build.lengths_m(), LENGTHS),
             SetUpWord::numbers("gravity", [gravity.value()], GRAVITIES),
             SetUpWord::numbers("speeds", speed, SPEEDS),
-            SetUpWord::numbers("friction", [friction[0].value()], FRICTIONS),
             SetUpWord::name("kind", usize::from(*kind == Kind::Rods), &["points", "rods"]),
         ]
     }
 
     /// Begins again as the numbers of a set-up say.
     pub(super) fn take_set_up(&mut self, numbers: &[f64]) {
-        let &[t1, t2, m1, m2, l1, l2, gravity, w1, w2, friction, kind] = numbers else { return };
+        let &[t1, t2, m1, m2, l1, l2, gravity, w1, w2, kind] = numbers else { return };
         let kind = if kind > 0.0 { Kind::Rods } else { Kind::Points };
         self.build = PendulumSpec::new(kind, [m1, m2], [l1, l2], gravity);
-        self.build.friction = [friction.into(); 2];
         self.release(State { angle: [t1, t2], speed: [w1, w2] });
     }
 
