@@ -5,6 +5,8 @@ use std::process::Command;
 use std::time::Instant;
 
 use clap::Args;
+use flipmap_lab::set_up::PREFIX;
+use flipmap_lab::{Figure, Lab};
 use flipmap_window::display;
 use flipmap_window::film_run::FilmOrder;
 use flipmap_window::folders::Folders;
@@ -44,7 +46,11 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let stats = options.stats.as_deref().map(|path| ("--stats", path));
     keep_apart(options.scene.file().as_slice(), stats.as_slice())?;
     options.run.engine.check()?;
-    let mut document = options.scene.document()?;
+    let set_up = set_up(&options.scene)?;
+    let mut document = match set_up {
+        Some(_) => options.scene.words.document()?,
+        None => options.scene.document()?,
+    };
     let spec = options.run.settle(&mut document)?;
     let plain = document.picture.clone();
     options.picture.apply(&mut document)?;
@@ -53,7 +59,8 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let folders = if options.no_config { Folders::none() } else { Folders::of_user() };
     let options = model::WindowOptions {
         run: options.run.says_how().then(|| document.run.clone()),
-        document: is_given.then_some(document),
+        document: (is_given && set_up.is_none()).then_some(document),
+        set_up,
         request: options.run.engine.request(spec.setting, spec.verify),
         folders,
         stats: options.stats.clone(),
@@ -71,6 +78,16 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         Ok(()) if stop::asked() => Err(Exit::Interrupted.into()),
         Ok(()) => Ok(()),
     }
+}
+
+/// Returns the line that sets up a figure of the laboratory, if that is what was named.
+fn set_up(options: &SceneOptions) -> Result<Option<String>, Exit> {
+    let line = options.scene.as_ref().filter(|scene| scene.starts_with(PREFIX));
+    if let Some(line) = line {
+        let opened = Lab::new(Figure::Single).open_set_up(line);
+        opened.map_err(|error| Exit::Usage(error.to_string()))?;
+    }
+    Ok(line.cloned())
 }
 
 /// Starts the program again without the variables with which no window could be opened.

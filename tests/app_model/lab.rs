@@ -3,7 +3,7 @@
 use egui::{Event, Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-use crate::{click, home, press};
+use crate::{AppModel, Arc, Folders, WindowOptions, click, home, options, press};
 
 #[test]
 fn keys_pause_slow_and_project_the_figure_and_leave_the_map_alone() {
@@ -66,4 +66,13 @@ fn a_pasted_set_up_opens_its_figure_and_a_wrong_one_says_why() {
     click(&mut desktop, "Copy set-up");
     desktop.run_steps(2);
     desktop.get_by_label_contains("The set-up was copied");
+}
+
+#[test]
+fn a_window_opens_with_a_set_up() {
+    let set_up = Some("flipmap:lab=twenty;count=5".to_string());
+    let options = WindowOptions { set_up, ..options(Folders::none(), None) };
+    let model = AppModel::new(&options, Arc::new(|| ()));
+    assert_eq!(model.figure_shown(), Some("twenty"));
+    assert_eq!(model.lab.set()[2], 5.0);
 }

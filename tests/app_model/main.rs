@@ -37,7 +37,15 @@ fn options(folders: Folders, document: Option<Document>) -> WindowOptions {
     let request =
         EngineRequest { kind: Some(EngineKind::Cpu), setting, ..EngineRequest::default() };
     let run = RunTable { accuracy: Some("fast".to_string()), ..RunTable::default() };
-    WindowOptions { document, run: Some(run), request, folders, stats: None, film_command: None }
+    WindowOptions {
+        document,
+        run: Some(run),
+        request,
+        folders,
+        set_up: None,
+        stats: None,
+        film_command: None,
+    }
 }
 
 /// Returns an app model of fixed size with a complete map.

@@ -54,6 +54,15 @@ fn a_line_sets_up_a_figure() {
     assert!(error.contains("nudge is '2'; it must be one number between"), "{error}");
 }
 
+#[test]
+fn a_wrong_set_up_opens_no_window() {
+    let folder = folder();
+    let output = flipmap(&folder, &["explore", "flipmap:lab=double;masses=1"]);
+    assert_eq!(output.status.code(), Some(2));
+    let error = error_of(&output);
+    assert!(error.contains("masses is '1'; it must be two numbers"), "{error}");
+}
+
 needs_adapter! {
     lesson:
     the_lesson_is_printed_with_its_figures_and_the_answers_last

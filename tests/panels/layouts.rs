@@ -97,6 +97,7 @@ fn window() -> Harness<'static, AppModel> {
         run: None,
         request,
         folders,
+        set_up: None,
         stats: None,
         film_command: None,
     };

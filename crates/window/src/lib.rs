@@ -18,6 +18,7 @@
 //!     run: None,
 //!     request: EngineRequest::default(),
 //!     folders: Folders::none(),
+//!     set_up: None,
 //!     stats: None,
 //!     film_command: None,
 //! };

@@ -50,6 +50,8 @@ use flipmap_scene::{BuiltIn, Document, RunTable};
 pub struct WindowOptions {
     /// Document to show; if none, that of the last session or the home scene.
     pub document: Option<Document>,
+    /// Set-up of a figure of the laboratory to open with, as a line of text.
+    pub set_up: Option<String>,
     /// Run table to use; if none, that of the document shown.
     pub run: Option<RunTable>,
     /// Engine to use; its integration setting follows from the run table.
@@ -169,7 +171,7 @@ impl AppModel {
             .answering(&document.question);
         let compute = ComputeService::new(request.clone(), cache_bytes, Arc::clone(&wake));
         let places = Places::load(&options.folders);
-        AppModel {
+        let mut model = AppModel {
             state,
             compute,
             map_renderer: MapRenderer::default(),
@@ -196,7 +198,11 @@ impl AppModel {
             measured: Vec::new(),
             spread: ColourSpread::default(),
             times_in_view: TimesInView::default(),
+        };
+        if let Some(set_up) = &options.set_up {
+            model.paste(set_up);
         }
+        model
     }
 
     /// Sets the view target of the engine and takes what it has finished. Returns true if there is
