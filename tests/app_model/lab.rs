@@ -35,6 +35,8 @@ fn the_lesson_is_given_from_the_first_figure_to_the_map() {
     desktop.run_steps(2);
     press(&mut desktop, Modifiers::NONE, Key::Enter);
     assert_eq!(desktop.state().figure_shown(), Some("single"));
+    press(&mut desktop, Modifiers::NONE, Key::Space);
+    assert!(desktop.state().lab.playing.paused, "nothing moves before the class has committed");
     click(&mut desktop, "A  It takes longer.");
     assert!(!desktop.state().lab.playing.paused && desktop.query_by_label("Reveal").is_some());
     press(&mut desktop, Modifiers::NONE, Key::Space);
@@ -43,7 +45,9 @@ fn the_lesson_is_given_from_the_first_figure_to_the_map() {
     press(&mut desktop, Modifiers::NONE, Key::Space);
     assert!(desktop.state().lab.playing.paused, "the next one pauses");
     (0..6).for_each(|_| press(&mut desktop, Modifiers::NONE, Key::PageDown));
-    desktop.get_by_label("Which part of all starts can never flip, however long one waits?");
+    desktop.get_by_label(
+        "For which part of all starts does energy alone forbid the second bob to flip?",
+    );
     click(&mut desktop, "C  About a third.");
     press(&mut desktop, Modifiers::NONE, Key::Space);
     desktop.get_by_label_contains("Right. To flip");

@@ -10,9 +10,8 @@ const CHARTS_PART: f32 = 0.45;
 const CHARTS_HEIGHT: f32 = 0.38;
 /// Largest height of a chart in a column, relative to its width.
 const CHART_RATIO: f32 = 1.2;
-/// Least width and height of a stage beside which, or above which, charts are seen at once, in
-/// points.
-const LEAST_STAGE: f32 = 300.0;
+/// Least width of charts in a row in points.
+const ROW_WIDTH: f32 = 200.0;
 /// Space between the stage and the charts in points.
 const GAP: f32 = 8.0;
 
@@ -21,8 +20,7 @@ const GAP: f32 = 8.0;
 pub(super) enum Arrangement {
     /// In a column to the right of the stage.
     Beside { stage: Vec2, chart: Vec2 },
-    /// Below the stage, side by side, or below one another where that leaves them too little width;
-    /// in a small area, below its lower end, where they are scrolled to.
+    /// Below the stage, side by side, or below one another where that leaves them too little width.
     Below { stage: Vec2, chart: Vec2 },
 }
 
@@ -36,17 +34,13 @@ impl Arrangement {
         let beside = vec2(size.x - column - GAP, size.y);
         let row = CHARTS_HEIGHT * size.y;
         let below = vec2(size.x, size.y - row - GAP);
-        let larger = beside.min_elem().max(below.min_elem());
-        if larger < LEAST_STAGE.min(0.8 * size.min_elem()) {
-            return Arrangement::Below { stage: size, chart: vec2(size.x, row) };
-        }
         if beside.min_elem() >= below.min_elem() {
             let high = (size.y - GAP * (count - 1.0)) / count;
             let chart = vec2(column, high.min(CHART_RATIO * column));
             return Arrangement::Beside { stage: beside, chart };
         }
         let width = (size.x - GAP * (count - 1.0)) / count;
-        let width = if width < CHARTS_WIDTH { size.x } else { width };
+        let width = if width < ROW_WIDTH { size.x } else { width };
         Arrangement::Below { stage: below, chart: vec2(width, row) }
     }
 
@@ -90,14 +84,9 @@ mod tests {
         };
         assert_eq!(stage, vec2(640.0, 612.0));
         assert_eq!(chart, vec2(316.0, 380.0));
-        let small = Arrangement::of(vec2(470.0, 395.0), 2);
-        let Arrangement::Below { stage, .. } = small else {
-            panic!("a small figure has its charts below")
-        };
-        assert_eq!(stage, vec2(470.0, 395.0), "the stage takes all that is seen");
-        let Arrangement::Below { chart, .. } = Arrangement::of(vec2(400.0, 900.0), 2) else {
+        let Arrangement::Below { chart, .. } = Arrangement::of(vec2(390.0, 900.0), 2) else {
             panic!("a narrow figure has its charts below the stage")
         };
-        assert_eq!(chart.x, 400.0, "charts that would be too narrow are below one another");
+        assert_eq!(chart.x, 390.0, "charts that would be too narrow are below one another");
     }
 }

@@ -62,6 +62,14 @@ impl Double {
         Some(self.secs() - reversal.out_secs).filter(|secs| *secs >= 0.0)
     }
 
+    /// Returns the state that is drawn.
+    fn shown(&self) -> State<f64> {
+        match (&self.reversal, self.secs_back()) {
+            (Some(reversal), Some(secs)) => reversal.by_rk4.state_at(secs),
+            _ => self.simulation.now(),
+        }
+    }
+
     /// Draws the pendulum with its parts named, beside its twin, or on its way back.
     fn draw_stage(&mut self, ui: &mut Ui, size: Vec2) {
         match (self.twin.take(), self.secs_back()) {
@@ -89,6 +97,7 @@ impl Double {
             let right = FigureCanvas::seen(ui, half, reach, twin.simulation.told());
             twin.simulation.draw(&right);
             right.note(None, "The twin, with one difference.");
+            StageRuler::lay_on(ui, &stage);
             (stage, response)
         });
         both.inner
@@ -155,8 +164,12 @@ impl Double {
             stage.dashed(from, to, stage.tint.faint);
         }
         stage.bob(exact[1], 0.5 * build.masses_kg()[1], stage.tint.faint);
-        draw_rods(&stage, build, reversal.by_rk4.state_at(secs).angle);
+        let angle = reversal.by_rk4.state_at(secs).angle;
+        draw_rods(&stage, build, angle);
         stage.note(None, "Time reversed: RK4 in steps of 1/120 s; in grey, double-double.");
+        stage.label(ends(lengths, angle)[1], "RK4", stage.tint.parts[1]);
+        stage.label(exact[1], "double-double", stage.tint.faint);
+        StageRuler::lay_on(ui, &stage);
     }
 
     /// Returns the chart of one quantity against another over the last seconds, dashed for the twin.
@@ -209,7 +222,8 @@ impl Double {
         let can_turn = (0.1..MAX_OUT_SECS).contains(&self.secs()) && !self.has_friction();
         match &self.reversal {
             Some(reversal) => {
-                ui.label(reversal.words());
+                let secs_back = self.secs_back().unwrap_or(0.0);
+                ui.label(reversal.words(secs_back));
                 if ui.button("Forward again").clicked() {
                     self.begin(self.simulation.start);
                 }
@@ -246,8 +260,7 @@ impl LiveFigure for Double {
     }
 
     fn restart(&mut self) {
-        self.simulation.release(self.simulation.start);
-        self.begin_twin();
+        self.begin(self.simulation.start);
     }
 
     fn secs(&self) -> f64 {
@@ -301,14 +314,13 @@ impl LiveFigure for Double {
             self.begin(self.simulation.start);
         }
         ui.separator();
-        self.axis_menus(ui);
+        ui.add_enabled_ui(self.reversal.is_none(), |ui| self.axis_menus(ui));
         self.experiments(ui);
         ui.separator();
-        let simulation = &self.simulation;
-        energy_bar(ui, "energy", energy(&simulation.build, &simulation.now()));
+        let (simulation, state) = (&self.simulation, self.shown());
+        energy_bar(ui, "energy", energy(&simulation.build, &state));
         Grid::new("double now").num_columns(2).show(ui, |ui| {
             thrown(ui, &simulation.start);
-            let state = simulation.state;
             row(ui, "time", format!("{} s", column(simulation.secs(), 3, 8)));
             for i in 0..2 {
                 let [angle, speed] = [wrapped(state.angle[i]), state.speed[i]];
@@ -332,6 +344,7 @@ impl LiveFigure for Double {
         let Some((&friction, others)) = numbers.split_last() else { return };
         self.simulation.take_set_up(others);
         self.simulation.build.friction = [friction.into(); 2];
+        self.twin = None;
         self.begin(self.simulation.start);
     }
 

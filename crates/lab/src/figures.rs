@@ -33,8 +33,8 @@ pub(super) static ENTRIES: [Entry; 7] = [
         figure: Figure::Single,
         name: "single",
         title: "The single pendulum",
-        sentence: "One angle says everything. Drag the bob, and see which of the parts matter to \
-                   how it moves: the mass does not.",
+        sentence: "One coordinate, the angle. Drag the bob, and see which of the parts matter to how \
+                   it moves.",
         key: Key::F2,
         begin: begin::<Single>,
     },

@@ -11,6 +11,7 @@ use super::controls::{ANGLES, SPEEDS, coloured_row, energy_bar, number_on, throw
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, StageReach, Tint, ends, wrapped};
 use super::quantity::energy;
+use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::sweep::Sweep;
 use super::{FigureRequest, LiveFigure};
@@ -120,8 +121,18 @@ pub(crate) struct Integrators {
     has_slopes: bool,
 }
 
-/// Seconds of motion that the arrow of a slope is long.
-const SLOPE_SECS: f64 = 0.1;
+/// Length of the longest arrow of a slope in m.
+const SLOPE_M: f64 = 0.7;
+
+/// Returns the velocity of the second bob in m/s.
+fn second_velocity(state: &State<f64>) -> [f64; 2] {
+    let turn = |bob: usize| {
+        let (sin, cos) = state.angle[bob].sin_cos();
+        [state.speed[bob] * cos, state.speed[bob] * sin]
+    };
+    let (first, second) = (turn(0), turn(1));
+    [first[0] + second[0], first[1] + second[1]]
+}
 
 /// Returns the states at which RK4 evaluates its four slopes in a step of `secs`.
 fn rk4_stages(pendulum: &Pendulum<f64>, state: &State<f64>, secs: f64) -> [State<f64>; 4] {
@@ -206,17 +217,19 @@ impl Integrators {
             });
             stage.label(places[k][1], &words, colours[k]);
         }
+        StageRuler::lay_on(ui, &stage);
     }
 
     /// Draws the velocities of the second bob at the four stages of RK4's next step.
     fn draw_slopes(&self, stage: &FigureCanvas) {
         let colour = stage.tint.parts[3];
         let stages = rk4_stages(&pendulum(), &self.runs[2].state, self.step_secs);
-        for (k, state) in stages.iter().enumerate() {
+        let velocities = stages.each_ref().map(second_velocity);
+        let speeds = velocities.map(|[x, y]| x.hypot(y));
+        let fastest = speeds.into_iter().fold(1e-9, f64::max);
+        for (k, (state, velocity)) in stages.iter().zip(velocities).enumerate() {
             let at = ends([1.0, 1.0], state.angle)[1];
-            let later = [0, 1].map(|bob| state.angle[bob] + 1e-6 * state.speed[bob]);
-            let to = ends([1.0, 1.0], later)[1];
-            let by = [0, 1].map(|i| SLOPE_SECS * 1e6 * (to[i] - at[i]));
+            let by = velocity.map(|part| SLOPE_M * part / fastest);
             stage.arrow(at, by, colour);
             stage.label([at[0] + by[0], at[1] + by[1]], &format!("k{}", k + 1), colour);
         }
@@ -341,17 +354,17 @@ impl LiveFigure for Integrators {
         ui.separator();
         Grid::new("integrators now").num_columns(2).show(ui, |ui| {
             thrown(ui, &self.start);
-            for (k, (run, (method, name))) in self.runs.iter().zip(Integrator::ALL).enumerate() {
+            for (run, (method, name)) in self.runs.iter().zip(Integrator::ALL) {
                 let error = run.errors.last().map_or(0.0, |last| last[1]);
                 let now = run
                     .diverged_at
                     .map_or(signed(error, 2), |at| format!("diverged at t = {} s", fixed(at, 2)));
-                coloured_row(
-                    ui,
-                    name,
-                    method.colour(&tint),
-                    format!("{now}, order {:.2}", self.sweep.order(k)),
-                );
+                coloured_row(ui, name, method.colour(&tint), now);
+            }
+        });
+        ui.collapsing("Orders", |ui| {
+            for (k, (_, name)) in Integrator::ALL.into_iter().enumerate() {
+                ui.label(format!("{name}: {:.2}", self.sweep.order(k)));
             }
         });
         for (run, (_, name)) in self.runs.iter().zip(Integrator::ALL) {

@@ -1,10 +1,10 @@
 //! The lesson: at every figure a class predicts, observes, and then reveals the answer.
 
 use egui::{Button, Frame, RichText, Ui};
-use flipmap_pendulum::State;
 
 use super::drawing::Tint;
 use super::predictions::{Prediction, predictions};
+use super::set_up::PREFIX;
 use super::{Figure, FigureRequest, Lab};
 
 /// The state of the lesson.
@@ -27,6 +27,16 @@ impl Lesson {
     /// Returns true if a class has made its choice and the answer is still hidden.
     pub fn awaits_reveal(&self) -> bool {
         self.is_on && self.choice.is_some() && !self.is_revealed
+    }
+
+    /// Returns true while the answer must not be seen anywhere.
+    pub fn hides_answer(&self) -> bool {
+        self.is_on && !self.is_revealed
+    }
+
+    /// Returns true if a class has not made its choice.
+    pub fn awaits_choice(&self) -> bool {
+        self.is_on && self.choice.is_none()
     }
 
     /// Shows the answer.
@@ -65,7 +75,7 @@ impl Lab {
         if !self.lesson.is_open {
             self.lesson.is_open = true;
             open_for(self, &prediction);
-            self.playing.paused |= prediction.start.is_some();
+            self.playing.paused |= prediction.set_up.is_some();
         }
         match card(ui, figure, &self.lesson, &prediction)? {
             Answer::Choose(choice) => {
@@ -87,8 +97,10 @@ impl Lab {
 
 /// Opens the figure that is shown as a question begins.
 pub(super) fn open_for(lab: &mut Lab, prediction: &Prediction) {
-    if let (Some(start), Some(live)) = (prediction.start, lab.live()) {
-        live.open(State::rest(start));
+    if let Some(words) = prediction.set_up {
+        let line = format!("{PREFIX}{};{words}", lab.figure.name());
+        let opened = lab.open_set_up(&line);
+        debug_assert_eq!(opened, Ok(()), "{line}");
     }
 }
 
@@ -144,7 +156,7 @@ fn choice_button(
     } else if lesson.is_revealed && is_chosen {
         words = RichText::new(format!("{letter}  {choice} (not so)")).color(wrong);
     }
-    ui.add(Button::selectable(is_chosen, words).wrap())
+    ui.add(Button::selectable(is_chosen && !lesson.is_revealed, words).wrap())
 }
 
 /// Shows the ways on and back.
@@ -189,8 +201,12 @@ mod tests {
             for question in questions {
                 assert!(question.right < question.choices.len(), "{question:?}");
                 assert!(asked.insert(question.ask), "{question:?}");
-                assert!(question.ask.len() < 100 && question.why.len() < 300, "{question:?}");
-                assert_eq!(question.start.is_some(), figure != Figure::Map, "{question:?}");
+                assert!(question.ask.len() < 100 && question.why.len() < 360, "{question:?}");
+                let words =
+                    question.set_up.map(|words| format!("{PREFIX}{};{words}", figure.name()));
+                assert_eq!(words.is_some(), figure != Figure::Map, "{question:?}");
+                let opened = words.map_or(Ok(()), |line| Lab::new(figure).open_set_up(&line));
+                assert_eq!(opened, Ok(()), "{question:?}");
             }
         }
         let right: Vec<usize> =

@@ -246,11 +246,13 @@ impl Lab {
         self.figure = figure;
     }
 
-    /// Reveals the answer if the class has made its choice, otherwise plays or pauses the figure.
+    /// Reveals the answer if the class has made its choice, otherwise plays or pauses the figure,
+    /// which stands still before that choice.
     pub fn reveal_or_play(&mut self) {
-        match self.lesson.awaits_reveal() {
-            true => self.lesson.reveal(),
-            false => self.playing.paused ^= true,
+        if self.lesson.awaits_reveal() {
+            self.lesson.reveal();
+        } else if !(self.lesson.awaits_choice() && self.playing.paused) {
+            self.playing.paused ^= true;
         }
     }
 
@@ -282,7 +284,7 @@ impl Lab {
     }
 
     fn sentence(&self, ui: &mut Ui) {
-        if !self.projector {
+        if !self.projector && !self.lesson.hides_answer() {
             ui.label(self.figure.sentence());
         }
     }
@@ -318,10 +320,11 @@ impl Lab {
             if has_sentence {
                 self.sentence(ui);
             }
-            let high = (high - ui.min_rect().height() - 8.0).max(0.0);
+            let told = self.card(ui);
+            let high = (high - ui.min_rect().height() - 8.0).max(LEAST_HEIGHT);
             let stage = vec2(ui.available_width(), high);
             ui.scope(|ui| self.draw(ui, stage));
-            self.side(ui)
+            told.or(self.operate(ui))
         });
         shown.inner
     }
@@ -336,9 +339,19 @@ impl Lab {
 
     /// Shows the lesson's question and the controls.
     fn side(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
-        let told = if self.lesson.is_on { self.lesson_card(ui) } else { None };
-        if self.projector {
-            return told;
+        let told = self.card(ui);
+        told.or(self.operate(ui))
+    }
+
+    /// Shows the lesson's question while the lesson is on.
+    fn card(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
+        if self.lesson.is_on { self.lesson_card(ui) } else { None }
+    }
+
+    /// Shows the controls; before an audience only those that a lesson needs.
+    fn operate(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
+        if self.projector && !self.lesson.is_on {
+            return None;
         }
         let room = ui.available_width() - BESIDE_SLIDER;
         ui.spacing_mut().slider_width = room.clamp(*SLIDER_WIDTH.start(), *SLIDER_WIDTH.end());
@@ -349,7 +362,7 @@ impl Lab {
         }
         ui.separator();
         StageRuler::switch(ui);
-        told.or(asked).or(take_away_buttons(ui))
+        asked.or(take_away_buttons(ui))
     }
 
     /// Returns a copy of the lab with the figure that is shown at its present moment; the others are

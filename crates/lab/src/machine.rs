@@ -102,7 +102,6 @@ fn determinant(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
         row(ui, "never below", format!("{} kg² m⁴", fixed(least, 4)));
         row(ui, "time", format!("{} s", fixed(simulation.secs(), 3)));
     });
-    ui.label("It is never zero, so M can always be inverted.");
 }
 
 /// Shows the kinetic and potential energy, and how far their sum has moved.

@@ -15,8 +15,9 @@ pub(super) struct Prediction {
     pub observe: &'static str,
     /// Why the right choice is right.
     pub why: &'static str,
-    /// Angles in rad at which the figure opens for this question, if not where it was left.
-    pub start: Option<[f64; 2]>,
+    /// The words of the set-up with which the figure opens for this question; all others have their
+    /// defaults. None for the map, which stays where it is.
+    pub set_up: Option<&'static str>,
 }
 
 /// Returns a figure's questions, in order.
@@ -34,32 +35,32 @@ pub(super) fn predictions(figure: Figure) -> &'static [Prediction] {
 
 const SINGLE: [Prediction; 3] = [
     Prediction {
-        ask: "The bob is made four times as heavy. What happens to the swing?",
-        choices: ["It takes longer.", "It takes as long as before.", "It is over sooner."],
+        ask: "The bob is made four times as heavy. How long does a swing to and fro take?",
+        choices: ["It takes longer.", "It takes as long as before.", "It takes less time."],
         right: 1,
         observe: "Move the slider of the mass while it swings, and keep an eye on the rhythm.",
         why: "Gravity pulls four times as hard at a bob that is four times as hard to move. The \
               mass stands on both sides of the equation and cancels.",
-        start: Some([0.9, 0.0]),
+        set_up: Some("start=0.9"),
     },
     Prediction {
-        ask: "How many numbers must be known now to know the pendulum's whole future?",
+        ask: "Besides r and g, how many numbers must be known now to know its whole future?",
         choices: ["One: the angle.", "Two: the angle and its speed.", "All of its past."],
         right: 1,
         observe: "Follow the point in the phase plot. Does it ever leave one place in two \
                   directions?",
         why: "The equation gives the acceleration from the angle, so angle and speed say where the \
               point goes next. Nothing else is remembered.",
-        start: Some([2.0, 0.0]),
+        set_up: Some("start=2.0"),
     },
     Prediction {
-        ask: "The rod is made four times as long. How long does a swing take?",
+        ask: "The rod is made four times as long. How long does a small swing take?",
         choices: ["As long as before.", "Twice as long.", "Four times as long."],
         right: 1,
         observe: "Count the swings in ten seconds, move the slider of the rod, and count again.",
         why: "The acceleration is −(g/r) sin θ, and a rate per second squared that is a quarter \
               makes times twice as long: small swings take 2π√(r/g).",
-        start: Some([0.3, 0.0]),
+        set_up: Some("start=0.3"),
     },
 ];
 
@@ -71,7 +72,7 @@ const GHOST: [Prediction; 3] = [
         observe: "Watch who leads after one swing, and after two.",
         why: "sin θ is less than θ, so far out the real pull is weaker than the ghost's, and wide \
               swings take longer. The ghost takes 2π√(r/g) whatever its amplitude.",
-        start: Some([2.0, 0.0]),
+        set_up: Some("start=2.0"),
     },
     Prediction {
         ask: "At 10°, after how many swings is the ghost ahead by a tenth of a swing?",
@@ -79,8 +80,9 @@ const GHOST: [Prediction; 3] = [
         right: 1,
         observe: "Compare the two periods on the right: by what part do they differ?",
         why: "The exact period is longer by about θ0²/16, for 10° by a 525th. After 52 swings that \
-              is a tenth of a swing. Clocks rely on it.",
-        start: Some([0.174_533, 0.0]),
+              is a tenth of a swing. A clock swinging that far would lose 165 s a day, so clocks swing \
+              narrowly and evenly.",
+        set_up: Some("start=0.174533"),
     },
     Prediction {
         ask: "Let go nearer and nearer to the top. What does the period do?",
@@ -94,7 +96,7 @@ const GHOST: [Prediction; 3] = [
         why: "Near the top the pull fades, and the bob creeps. In the exact period the mean of 1 \
               and cos(θ0/2) goes to zero, slowly: every further digit of nearness adds the same \
               time.",
-        start: Some([3.1, 0.0]),
+        set_up: Some("start=3.1"),
     },
 ];
 
@@ -107,10 +109,10 @@ const DOUBLE: [Prediction; 3] = [
         why: "Each rod takes one away by keeping its length. Two angles are left, and a Lagrangian, \
               kinetic minus potential energy in these two, gives their equations. The forces in \
               the rods never appear.",
-        start: Some([0.8, 1.4]),
+        set_up: Some("start=0.8,1.4"),
     },
     Prediction {
-        ask: "Let go at 0.1 and 0.1414 rad, a ratio of √2. What will they do?",
+        ask: "Equal bobs on equal rods are let go at 0.1 and 0.1414 rad. What will they do?",
         choices: [
             "Hand the energy to and fro.",
             "Swing together in one rhythm.",
@@ -120,21 +122,21 @@ const DOUBLE: [Prediction; 3] = [
         observe: "Do both pass the vertical at the same moment, again and again?",
         why: "For small angles there are two normal modes. This is the slow one, with the square of \
               its rate (2 − √2) g/l; any other small swing is a sum of the two.",
-        start: Some([0.1, 0.141_42]),
+        set_up: Some("start=0.1,0.14142"),
     },
     Prediction {
-        ask: "The kinetic energy has a cross term m2 l1 l2 cos(θ1 − θ2) ω1 ω2. When is it gone?",
+        ask: "In which pose is the cross term m2 l1 l2 cos(θ1 − θ2) ω1 ω2 zero at any speeds?",
         choices: [
             "With the rods in line.",
             "With the rods at a right angle.",
             "With both bobs at the same height.",
         ],
         right: 1,
-        observe: "Look for the moments at which the rods are at a right angle.",
+        observe: "Choose 'cross term' for Up, and pause where it passes zero with both in motion.",
         why: "The second bob's speed is the sum of two, one across each rod. Where the rods are at \
               a right angle so are the two, and squares of such sums have no cross term. In line, \
-              it is largest.",
-        start: Some([1.6, 0.0]),
+              the cosine is 1 or −1.",
+        set_up: Some("start=1.6,0.0"),
     },
 ];
 
@@ -145,17 +147,17 @@ const MACHINE: [Prediction; 2] = [
         right: 2,
         observe: "Watch det M beside its bound, for as long as you like.",
         why: "ω · M ω is twice the kinetic energy, which is above zero whenever anything moves. So \
-              M sends no direction to zero. In numbers: det M is at least m1 m2 l1² l2².",
-        start: Some([2.0, 2.6]),
+              M sends no direction to zero. In numbers: for point bobs det M is at least m1 m2 l1² l2².",
+        set_up: Some("start=2.0,2.6"),
     },
     Prediction {
         ask: "In which pose is det M least?",
         choices: ["With the rods in line.", "With the rods at a right angle.", "It is constant."],
         right: 0,
         observe: "Pause, drag the second bob once round the first, and read det M.",
-        why: "The product of the diagonal is fixed, and cos Δ squared is taken from it. That is \
-              most where the rods are in line, folded or stretched.",
-        start: Some([2.0, 2.0]),
+        why: "The product of the diagonal is fixed, and the square of m2 l1 l2 cos Δ is taken from \
+              it. That is most where the rods are in line, folded or stretched.",
+        set_up: Some("start=2.0,0.9"),
     },
 ];
 
@@ -167,26 +169,26 @@ const INTEGRATORS: [Prediction; 3] = [
         observe: "Follow the three curves of the energy error.",
         why: "Explicit Euler moves along the tangent, which leaves every closed orbit outwards: a \
               small oscillation's energy is multiplied by 1 + Δt² ω² in each step.",
-        start: Some([1.2, 0.9]),
+        set_up: Some("start=1.2,0.9"),
     },
     Prediction {
         ask: "The step is halved. What is left of RK4's error after one second?",
         choices: ["A half.", "A quarter.", "A sixteenth."],
         right: 2,
-        observe: "Compare the slopes in the lower chart: one step of the grid across, how many up?",
+        observe: "In the lower chart, for one power of ten in Δt, by how many does each error change?",
         why: "The error of a method of order p shrinks with the p-th power of the step. RK4 is of \
               order 4, both Eulers of order 1, and the slopes show it.",
-        start: Some([1.2, 0.9]),
+        set_up: Some("start=1.2,0.9"),
     },
     Prediction {
         ask: "Semi-implicit Euler is called symplectic. Does that promise hold here?",
         choices: ["Yes, for every step.", "Yes, for short steps.", "No, whatever the step."],
         right: 2,
         observe: "Make Δt larger and see whether its energy stays in a band.",
-        why: "A symplectic step keeps areas of angles against momenta, and is exact for an energy \
-              close by. This one does so where the kinetic energy does not depend on the angles. \
-              Here it does, and speeds are not momenta: the warranty ends.",
-        start: Some([1.2, 0.9]),
+        why: "A symplectic step keeps areas of angles against momenta and, if short, an energy close \
+              to the true one for very long. This one does so where the kinetic energy does not \
+              depend on the angles. Here it does, and speeds are not momenta: no such promise.",
+        set_up: Some("start=1.2,0.9"),
     },
 ];
 
@@ -198,38 +200,39 @@ const TWENTY: [Prediction; 3] = [
         observe: "Which line do the separations follow on the logarithmic scale?",
         why: "A straight line there means e^(λt). It looks sudden on the stage only because the eye \
               sees nothing of the first five decades.",
-        start: Some([2.2, 2.5]),
+        set_up: Some("start=2.2,2.5"),
     },
     Prediction {
         ask: "The nudge is made a thousand times smaller. How much later does the fan open?",
-        choices: ["A thousand times later.", "Twice as late.", "A few seconds later."],
+        choices: ["A thousand times later.", "Ten times as late.", "A few seconds later."],
         right: 2,
         observe: "Make the nudge 1e-10 rad, restart, and take the time.",
-        why: "ln 1000 / λ seconds, whatever the nudge was before. Precision enters as a logarithm, \
-              so each further thousand buys the same few seconds.",
-        start: Some([2.2, 2.5]),
+        why: "About ln 1000 / λ seconds, whatever the nudge was before. Precision enters as a \
+              logarithm, so each further thousand buys about the same few seconds.",
+        set_up: Some("start=2.2,2.5"),
     },
     Prediction {
         ask: "A start is known to 1e-7 rad. For how long is a forecast good to 0.1 rad?",
-        choices: ["About 4 s.", "About 17 s.", "About a minute."],
+        choices: ["About 2 s.", "About 15 s.", "About a minute."],
         right: 1,
-        observe: "Read λ, and work out ln(tolerance / precision) / λ. The row 'horizon' does.",
-        why: "The error grows from 1e-7 to 0.1, by a million, in ln(10⁶)/λ seconds. That is the \
-              horizon, and beyond it this pendulum is weather.",
-        start: Some([2.2, 2.5]),
+        observe: "Let it run, read 1/λ, and work out ln(tolerance / precision) / λ: the row 'horizon'.",
+        why: "The error grows from 1e-7 to 0.1, by a million, in ln(10⁶)/λ seconds, 14 to 17 \
+              here, as λ is an average over the run. That is the horizon; beyond it this pendulum \
+              is weather.",
+        set_up: Some("start=2.2,2.5"),
     },
 ];
 
 const MAP: [Prediction; 2] = [
     Prediction {
-        ask: "Which part of all starts can never flip, however long one waits?",
+        ask: "For which part of all starts does energy alone forbid the second bob to flip?",
         choices: ["None.", "About a tenth.", "About a third."],
         right: 2,
-        observe: "Look at the lens in the middle, where nothing was integrated.",
+        observe: "Look at the dark grey part, where nothing was integrated.",
         why: "To flip, the second bob has to pass upright over its pivot, at the least with the \
               first rod hanging. A start below that energy never gets there: 2 cos θ1 + cos θ2 > 1 \
-              for equal bobs, 30.64 % of all. Four lines of energy answer for them.",
-        start: None,
+              for equal bobs, 30.64 % of all.",
+        set_up: None,
     },
     Prediction {
         ask: "Two pendulums start one pixel apart among the filaments. Do they flip together?",
@@ -238,6 +241,6 @@ const MAP: [Prediction; 2] = [
         observe: "Zoom in there, click a pixel, and fly its pendulum beside the ghost of the next.",
         why: "Between them the separation is multiplied by e every second or so. A finer picture \
               only shows finer filaments: that is what makes the map a fractal.",
-        start: None,
+        set_up: None,
     },
 ];

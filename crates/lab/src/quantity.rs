@@ -13,13 +13,15 @@ pub(crate) enum Quantity {
     Momentum(usize),
     Acceleration(usize),
     Kinetic,
+    /// The part of the kinetic energy with both speeds.
+    CrossTerm,
     Potential,
     Tension(usize),
 }
 
 impl Quantity {
     /// All quantities, in the order of menus.
-    pub(crate) const ALL: [Quantity; 13] = [
+    pub(crate) const ALL: [Quantity; 14] = [
         Quantity::Time,
         Quantity::Angle(0),
         Quantity::Angle(1),
@@ -30,6 +32,7 @@ impl Quantity {
         Quantity::Acceleration(0),
         Quantity::Acceleration(1),
         Quantity::Kinetic,
+        Quantity::CrossTerm,
         Quantity::Potential,
         Quantity::Tension(0),
         Quantity::Tension(1),
@@ -44,6 +47,7 @@ impl Quantity {
             Quantity::Momentum(bob) => ("momentum p", Some(bob), "kg m²/s"),
             Quantity::Acceleration(bob) => ("acceleration α", Some(bob), "rad/s²"),
             Quantity::Kinetic => ("kinetic energy", None, "J"),
+            Quantity::CrossTerm => ("cross term", None, "J"),
             Quantity::Potential => ("potential energy", None, "J"),
             Quantity::Tension(bob) => ("tension of rod ", Some(bob), "N"),
         };
@@ -66,6 +70,7 @@ impl Quantity {
             }
             Quantity::Acceleration(bob) => pendulum.acceleration(state)[bob],
             Quantity::Kinetic => energy(build, state)[0],
+            Quantity::CrossTerm => pendulum.equation(state).mass[0][1] * speed[0] * speed[1],
             Quantity::Potential => energy(build, state)[1],
             Quantity::Tension(bob) => tensions(build, state)[bob],
         }

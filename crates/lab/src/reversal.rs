@@ -33,7 +33,7 @@ pub(super) struct Reversal {
 pub(super) struct WayBack {
     /// The states.
     states: Vec<State<f64>>,
-    /// Distances in phase space from where the same method was on its way out.
+    /// Distances in phase space from the way out.
     readings: Vec<Reading>,
     /// The fitted growth of the distance.
     growth: Option<Growth>,
@@ -43,17 +43,22 @@ pub(super) struct WayBack {
 }
 
 impl Reversal {
-    /// Follows a pendulum from `start` for about `out_secs`, turns its speeds round, and follows it
-    /// back.
+    /// Follows a pendulum in double-double from `start` for about `out_secs`, turns its speeds
+    /// round, and follows it back by both methods.
     pub(super) fn new(build: &PendulumSpec, start: State<f64>, out_secs: f64) -> Self {
         let steps = (out_secs.min(MAX_OUT_SECS) * STEPS_A_SEC).round().max(1.0) as usize;
         let (pendulum, exact) = (build.pendulum(), build.pendulum_in::<Dd>());
         let ruler = Ruler::new(&pendulum);
-        let by_rk4 = WayBack::of(steps, &ruler, wide(&start), |from| {
-            rk4_path(&pendulum, &narrow(&from), steps).iter().map(wide).collect()
-        });
-        let exact = WayBack::of(steps, &ruler, wide(&start), |from| exact_path(exact, from, steps));
-        Reversal { out_secs: steps as f64 / STEPS_A_SEC, by_rk4, exact }
+        let out = exact_path(exact, wide(&start), steps);
+        let turn = turned(&out[steps]);
+        let by_rk4: Vec<State<Dd>> =
+            rk4_path(&pendulum, &narrow(&turn), steps).iter().map(wide).collect();
+        let exact = exact_path(exact, turn, steps);
+        Reversal {
+            out_secs: steps as f64 / STEPS_A_SEC,
+            by_rk4: WayBack::along(&out, &by_rk4, &ruler),
+            exact: WayBack::along(&out, &exact, &ruler),
+        }
     }
 
     /// Returns a chart of both distances against the time since the turn, up to `now_secs`.
@@ -67,7 +72,7 @@ impl Reversal {
             Curve::line("RK4, 1/120 s", tint.parts[0], curve(&self.by_rk4)),
             Curve::line("double-double", tint.parts[1], curve(&self.exact)),
         ];
-        if let Some(growth) = self.by_rk4.growth.filter(|_| now_secs > 1.0) {
+        if let Some(growth) = self.by_rk4.growth.filter(|growth| now_secs > growth.until_secs) {
             let line = [0.0, growth.until_secs].map(|t| [t, growth.separation_rad(t)]).to_vec();
             curves.push(Curve::guide("e^(λt)", tint.ink, line));
         }
@@ -85,46 +90,42 @@ impl Reversal {
         }
     }
 
-    /// Says when and why the way is lost, or that both are back.
-    pub(super) fn words(&self) -> String {
+    /// Says what has been seen `secs` after the turn: when and why the way was lost, and who is back.
+    pub(super) fn words(&self, secs: f64) -> String {
+        let rk4 = match self.by_rk4.lost_secs.filter(|lost| *lost <= secs) {
+            Some(lost) => {
+                let lost = fixed(lost, 1);
+                let why = self.by_rk4.growth.filter(|growth| growth.rate_per_sec > 0.0);
+                let why = why.map_or(String::new(), |growth| {
+                    let times = fixed(1.0 / growth.rate_per_sec, 2);
+                    format!(": its errors are multiplied by e every {times} s")
+                });
+                format!("RK4 in steps of 1/120 s was lost {lost} s after the turn{why}.")
+            }
+            None if secs < self.out_secs => {
+                "RK4 in steps of 1/120 s is on its way back.".to_string()
+            }
+            None => "RK4 in steps of 1/120 s is back as well: make the way longer.".to_string(),
+        };
+        if secs < self.out_secs {
+            return rk4;
+        }
         let home = self.exact.readings.last().map_or(0.0, |last| last.separation_rad);
         let exact = match self.exact.lost_secs {
             None => format!("In double-double it is back, {} rad off.", significant(home, 2)),
-            Some(secs) => {
-                format!("In double-double it is lost {} s after the turn.", fixed(secs, 1))
-            }
+            Some(lost) => format!("In double-double it was lost after {} s.", fixed(lost, 1)),
         };
-        let Some(secs) = self.by_rk4.lost_secs else {
-            return format!("RK4 finds back as well: make the way longer. {exact}");
-        };
-        let why = match self.by_rk4.growth.filter(|growth| growth.rate_per_sec > 0.0) {
-            Some(growth) => {
-                let times = fixed(1.0 / growth.rate_per_sec, 2);
-                format!("its errors are multiplied by e every {times} s")
-            }
-            None => "its errors grow".to_string(),
-        };
-        format!(
-            "RK4 in steps of 1/120 s is lost {} s after the turn: {why}. {exact}",
-            fixed(secs, 1)
-        )
+        format!("{rk4} {exact}")
     }
 }
 
 impl WayBack {
-    /// Follows `path` from a start, turns its end round, and follows it back.
-    fn of(
-        steps: usize,
-        ruler: &Ruler,
-        start: State<Dd>,
-        path: impl Fn(State<Dd>) -> Vec<State<Dd>>,
-    ) -> Self {
-        let out = path(start);
-        let back = path(turned(&out[steps]));
+    /// Measures a way back against the way out.
+    fn along(out: &[State<Dd>], back: &[State<Dd>], ruler: &Ruler) -> Self {
         let reading = |(k, state): (usize, &State<Dd>)| Reading {
             secs: k as f64 / STEPS_A_SEC,
             energy_error: 0.0,
-            separation_rad: ruler.distance(&turned(state), &out[steps - k]),
+            separation_rad: ruler.distance(&turned(state), &out[out.len() - 1 - k]),
         };
         let readings: Vec<Reading> = back.iter().enumerate().map(reading).collect();
         let apart = readings.iter().filter(|reading| reading.separation_rad > 0.0);
@@ -192,7 +193,12 @@ mod tests {
         assert_eq!(reversal.exact.lost_secs, None);
         let lost = reversal.by_rk4.lost_secs.expect("RK4 loses its way");
         assert!(lost > 3.0 && lost < 25.0, "{lost}");
-        assert!(reversal.words().contains("RK4 in steps of 1/120 s is lost"));
+        assert_eq!(reversal.words(0.5), "RK4 in steps of 1/120 s is on its way back.");
+        assert!(
+            reversal.words(lost + 0.1).contains("was lost")
+                && !reversal.words(24.0).contains("double")
+        );
+        assert!(reversal.words(25.0).contains("In double-double it is back"));
         let near = self::reversal(1.0);
         assert_eq!(near.by_rk4.lost_secs, None, "a short way is found");
     }

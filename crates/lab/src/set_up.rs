@@ -65,6 +65,12 @@ pub enum SetUpError {
         /// A question after the word that may be meant; empty if none is similar.
         meant: String,
     },
+    /// A word that appears twice.
+    #[error("the set-up says {0} twice; leave one of them out")]
+    Twice(&'static str),
+    /// Words for the map, whose set-up is a location.
+    #[error("the map has no words here: its place is a location, as in flipmap:center=0,0;width=6")]
+    Map,
     /// A value that cannot be used.
     #[error("the set-up's {name} is '{text}'; it must be {allowed}")]
     Value {
@@ -157,7 +163,11 @@ impl Lab {
         })?;
         let mut fresh = Lab::new(figure);
         let mut words = fresh.live().map_or(Vec::new(), |live| live.set_up());
+        let mut said: Vec<&str> = Vec::new();
         for part in parts {
+            if words.is_empty() {
+                return Err(SetUpError::Map);
+            }
             let (key, value) =
                 part.split_once('=').ok_or_else(|| SetUpError::NoWord(part.to_string()))?;
             let names: Vec<&str> = words.iter().map(|word| word.name).collect();
@@ -167,6 +177,10 @@ impl Lab {
                 meant: did_you_mean(&names, key),
                 known: names.join(", "),
             })?;
+            if said.contains(&word.name) {
+                return Err(SetUpError::Twice(word.name));
+            }
+            said.push(word.name);
             word.read(value.trim())?;
         }
         self.show_figure(figure);
@@ -223,6 +237,8 @@ mod tests {
             ("flipmap:lab=double;masses=1", "masses is '1'; it must be two numbers between"),
             ("flipmap:lab=double;masses=1,1e9", "masses is '1,1e9'; it must be two numbers"),
             ("flipmap:lab=double;kind=bars", "kind is 'bars'; it must be points or rods"),
+            ("flipmap:lab=map;start=1,1", "the map has no words here"),
+            ("flipmap:lab=double;start=1,1;start=2,2", "says start twice"),
             ("flipmap:lab=twenty;count=NaN", "count is 'NaN'; it must be one number between"),
         ] {
             let error = lab.open_set_up(line).unwrap_err().to_string();

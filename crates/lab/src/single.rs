@@ -84,7 +84,7 @@ impl Single {
         let (stage, response) = FigureCanvas::new(ui, size, reach, self.told());
         let (ink, faint, [one, two, three, _]) =
             (stage.tint.ink, stage.tint.faint, stage.tint.parts);
-        stage.note(Some(equation(&stage.tint)), "The mass cancels. Drag the bob.");
+        stage.note(Some(equation(&stage.tint)), "Drag the bob.");
         let tip = [bob[0], bob[1] - WEIGHT * length];
         stage.dashed([0.0; 2], [0.0, -0.6 * length], faint);
         stage.arc([0.0; 2], angle, 0.35 * length, one);
@@ -95,7 +95,7 @@ impl Single {
         stage.label(bob, &format!("mass m = {} kg", fixed(self.0.mass, 2)), two);
         let weight = self.0.mass * self.0.simple.gravity;
         stage.label(tip, &format!("gravity m g = {} N", fixed(weight, 2)), three);
-        stage.label(end([0.0; 2], 0.37 * length, 0.5 * angle), "θ, the one coordinate", one);
+        stage.label(end([0.0; 2], 0.37 * length, 0.5 * angle), "θ", one);
         let along = end([0.0; 2], 0.72 * length, angle);
         stage.label(along, &format!("rod r = {} m", fixed(length, 2)), ink);
         stage.label([0.0; 2], "pivot", faint);

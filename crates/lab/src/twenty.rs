@@ -10,8 +10,8 @@ use super::clock::Clock;
 use super::controls::{ANGLES, SPEEDS, energy_bar, number_on, row, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, StageReach, Tint, ends};
-use super::formula::Formula;
 use super::quantity::energy;
+use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::Dd;
@@ -120,7 +120,8 @@ impl Twenty {
         }
         stage.pivot();
         let words = "All of them are drawn: at first they look like one.";
-        stage.note(Some(climb(&stage.tint)), words);
+        stage.note(None, words);
+        StageRuler::lay_on(ui, &stage);
     }
 
     fn chart(&self, tint: &Tint) -> Chart {
@@ -179,18 +180,6 @@ fn draw_glowing(stage: &FigureCanvas, [first, second]: [Pos2; 2], colour: Color3
         stage.painter.line_segment([first, second], stroke);
         stage.painter.circle_filled(second, 2.0 + 0.5 * width, colour);
     }
-}
-
-/// Returns the law by which small separations δ grow.
-fn climb(tint: &Tint) -> Formula {
-    let ink = |text: &str| Formula::text(text, tint.ink);
-    let delta = |index: Option<&str>| Formula::variable("δ", index, tint.parts[1]);
-    Formula::Row(vec![
-        delta(None),
-        ink(" ≈ "),
-        delta(Some("0")),
-        ink("e").with_exponent("λ t", tint.ink),
-    ])
 }
 
 /// Describes a growth by the time in which the separation is multiplied by e.
@@ -267,9 +256,10 @@ impl LiveFigure for Twenty {
         Grid::new("twenty now").num_columns(2).show(ui, |ui| {
             thrown(ui, &self.start);
             row(ui, "time", format!("{} s", fixed(self.clock.secs(), 2)));
-            let apart = self.readings.last().map_or(0.0, |reading| reading.separation_rad);
-            let full = if apart > SATURATED_RAD { ", saturated" } else { "" };
-            row(ui, "separation", format!("{} rad{full}", significant(apart, 3)));
+            if let Some(Reading { separation_rad: apart, .. }) = self.readings.last() {
+                let full = if *apart > SATURATED_RAD { ", saturated" } else { "" };
+                row(ui, "first from last", format!("{} rad{full}", significant(*apart, 3)));
+            }
             match self.growth().filter(|growth| growth.rate_per_sec > 0.0) {
                 Some(growth) => {
                     let more = 1000f64.ln() / growth.rate_per_sec;

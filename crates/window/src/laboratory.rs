@@ -130,6 +130,8 @@ impl AppModel {
     /// Shows a figure, or the map again.
     pub(super) fn show_figure(&mut self, figure: Option<Figure>) {
         self.state.shown.lab = figure.is_some();
+        // The greeting would take the first Escape, unseen.
+        self.state.shown.greeting &= figure.is_none();
         match figure {
             Some(figure) => self.lab.show_figure(figure),
             None => {
@@ -209,6 +211,9 @@ impl AppModel {
             ScrollArea::vertical().max_height(most).show(ui, |ui| {
                 if self.lab.lesson.is_on {
                     actions.extend(self.lab.lesson_card(ui).and_then(action_for));
+                }
+                if self.lab.lesson.hides_answer() {
+                    return;
                 }
                 ui.label(Figure::Map.sentence());
                 if let Some(kind) = explain(ui, &self.state.document(), &seen) {

@@ -319,7 +319,8 @@ impl AppModel {
 
     /// Returns the actions that the keyboard, the clipboard and dropped files ask for.
     fn keys(&self, ctx: &egui::Context) -> Vec<Action> {
-        let typing = ctx.egui_wants_keyboard_input();
+        // An open menu takes Escape and the arrows for itself.
+        let typing = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
         let hidden = self.lab_hides_map();
         ctx.input_mut(|input| {
             let mut actions = pressed(input, &self.state, typing);
