@@ -14,7 +14,7 @@ use super::quantity::energy;
 use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::sweep::Sweep;
-use super::{FigureRequest, LiveFigure};
+use super::{FigureRequest, LiveFigure, slopes};
 use flipmap_numbers::number_text::{fixed, signed};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::{euler, rk4, semi_implicit_euler};
@@ -121,31 +121,6 @@ pub(crate) struct Integrators {
     has_slopes: bool,
 }
 
-/// Length of the longest arrow of a slope in m.
-const SLOPE_M: f64 = 0.7;
-
-/// Returns the velocity of the second bob in m/s.
-fn second_velocity(state: &State<f64>) -> [f64; 2] {
-    let turn = |bob: usize| {
-        let (sin, cos) = state.angle[bob].sin_cos();
-        [state.speed[bob] * cos, state.speed[bob] * sin]
-    };
-    let (first, second) = (turn(0), turn(1));
-    [first[0] + second[0], first[1] + second[1]]
-}
-
-/// Returns the states at which RK4 evaluates its four slopes in a step of `secs`.
-fn rk4_stages(pendulum: &Pendulum<f64>, state: &State<f64>, secs: f64) -> [State<f64>; 4] {
-    let moved = |by: f64, slope: &State<f64>| {
-        let alpha = pendulum.acceleration(slope);
-        let add = |from: [f64; 2], rate: [f64; 2]| [0, 1].map(|bob| from[bob] + by * rate[bob]);
-        State { angle: add(state.angle, slope.speed), speed: add(state.speed, alpha) }
-    };
-    let second = moved(0.5 * secs, state);
-    let third = moved(0.5 * secs, &second);
-    [*state, second, third, moved(secs, &third)]
-}
-
 /// Simulated time in seconds after which the figure restarts.
 const MAX_SECS: f64 = 120.0;
 
@@ -209,7 +184,7 @@ impl Integrators {
         stage.pivot();
         stage.note(None, "One start and one Δt: where the colours part, a method is wrong.");
         if self.has_slopes {
-            self.draw_slopes(&stage);
+            slopes::draw(&stage, &self.runs[2].state, self.step_secs);
         }
         for (k, (_, name)) in Integrator::ALL.into_iter().enumerate() {
             let words = self.runs[k].diverged_at.map_or(name.to_string(), |at| {
@@ -218,21 +193,6 @@ impl Integrators {
             stage.label(places[k][1], &words, colours[k]);
         }
         StageRuler::lay_on(ui, &stage);
-    }
-
-    /// Draws the velocities of the second bob at the four stages of RK4's next step.
-    fn draw_slopes(&self, stage: &FigureCanvas) {
-        let colour = stage.tint.parts[3];
-        let stages = rk4_stages(&pendulum(), &self.runs[2].state, self.step_secs);
-        let velocities = stages.each_ref().map(second_velocity);
-        let speeds = velocities.map(|[x, y]| x.hypot(y));
-        let fastest = speeds.into_iter().fold(1e-9, f64::max);
-        for (k, (state, velocity)) in stages.iter().zip(velocities).enumerate() {
-            let at = ends([1.0, 1.0], state.angle)[1];
-            let by = velocity.map(|part| SLOPE_M * part / fastest);
-            stage.arrow(at, by, colour);
-            stage.label([at[0] + by[0], at[1] + by[1]], &format!("k{}", k + 1), colour);
-        }
     }
 
     fn step(&mut self, secs: f64) {
@@ -438,27 +398,6 @@ mod tests {
         }
         let growth = (energy(&state) / before).powf(0.01);
         assert!((growth - (1.0 + h * h * omega2)).abs() < 1e-7, "{growth}");
-    }
-
-    #[test]
-    fn the_slopes_that_are_drawn_make_the_step() {
-        let state = State { angle: [1.1, -0.7], speed: [2.0, -3.0] };
-        let (pendulum, h) = (pendulum(), 0.05);
-        let weights = [1.0, 2.0, 2.0, 1.0].map(|weight| weight * h / 6.0);
-        let mut next = state;
-        for (stage, weight) in rk4_stages(&pendulum, &state, h).iter().zip(weights) {
-            let slope = State { angle: stage.speed, speed: pendulum.acceleration(stage) };
-            let change = State {
-                angle: slope.angle.map(|x| weight * x),
-                speed: slope.speed.map(|x| weight * x),
-            };
-            next = next.plus(&change);
-        }
-        let step = Integrator::Rk4.step(&pendulum, &state, h);
-        for bob in 0..2 {
-            assert!((next.angle[bob] - step.angle[bob]).abs() < 1e-13);
-            assert!((next.speed[bob] - step.speed[bob]).abs() < 1e-12);
-        }
     }
 
     #[test]

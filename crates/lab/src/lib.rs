@@ -42,6 +42,7 @@ pub mod set_up;
 pub mod sheet;
 mod single;
 mod single_simulation;
+mod slopes;
 pub mod still;
 mod sweep;
 pub mod take_away;

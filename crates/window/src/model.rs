@@ -139,8 +139,16 @@ const WORK: Duration = Duration::from_millis(4);
 const DOING: Duration = Duration::from_millis(250);
 
 impl AppModel {
-    /// Loads what was saved and begins to open an engine.
+    /// Loads what was saved, begins to open an engine, and opens the figure that is to be shown.
     pub fn new(options: &WindowOptions, wake: Wake) -> Self {
+        let mut model = AppModel::with_map(options, wake);
+        if let Some(set_up) = &options.set_up {
+            model.paste(set_up);
+        }
+        model
+    }
+
+    fn with_map(options: &WindowOptions, wake: Wake) -> Self {
         let mut store = Store::new(&options.folders);
         let Loaded { settings, notice } = store.load();
         let last = settings.last_scene.clone().filter(|_| settings.restore);
@@ -171,7 +179,7 @@ impl AppModel {
             .answering(&document.question);
         let compute = ComputeService::new(request.clone(), cache_bytes, Arc::clone(&wake));
         let places = Places::load(&options.folders);
-        let mut model = AppModel {
+        AppModel {
             state,
             compute,
             map_renderer: MapRenderer::default(),
@@ -198,11 +206,7 @@ impl AppModel {
             measured: Vec::new(),
             spread: ColourSpread::default(),
             times_in_view: TimesInView::default(),
-        };
-        if let Some(set_up) = &options.set_up {
-            model.paste(set_up);
         }
-        model
     }
 
     /// Sets the view target of the engine and takes what it has finished. Returns true if there is
