@@ -47,10 +47,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     keep_apart(options.scene.file().as_slice(), stats.as_slice())?;
     options.run.engine.check()?;
     let set_up = set_up(&options.scene)?;
-    let mut document = match set_up {
-        Some(_) => options.scene.words.document()?,
-        None => options.scene.document()?,
-    };
+    let scene = options.scene.scene.as_deref().filter(|_| set_up.is_none());
+    let words = &options.scene.words;
+    let mut document = words.apply(words.base(scene)?)?;
     let spec = options.run.settle(&mut document)?;
     let plain = document.picture.clone();
     options.picture.apply(&mut document)?;

@@ -87,11 +87,6 @@ impl SceneOptions {
 }
 
 impl SceneWords {
-    /// Returns the scene of these options alone.
-    pub(super) fn document(&self) -> anyhow::Result<Document> {
-        Ok(self.apply(self.base(None)?)?)
-    }
-
     /// Loads the scene to which the options apply: the named one or, by default, the home scene;
     /// with `--plane`, the middle of the plane.
     pub(super) fn base(&self, scene: Option<&str>) -> anyhow::Result<Document> {
