@@ -6,6 +6,7 @@ use super::clock::Clock;
 use super::controls::{ANGLES, GRAVITIES, LENGTHS, MASSES, SPEEDS};
 use super::drawing::{FigureCanvas, angle_of, ends, wrapped};
 use super::set_up::SetUpWord;
+use super::single_simulation::LEAST_THROW;
 use flipmap_numbers::number_text::fixed;
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::rk4;
@@ -20,8 +21,6 @@ const TRAIL: usize = 480;
 const PATH: usize = 1200;
 /// Distance in points within which a handle can be grabbed.
 const HANDLE_POINTS: f32 = 12.0;
-/// Speed in m/s below which a bob that is let go is at rest.
-const LEAST_THROW: f64 = 0.3;
 /// Largest speed in rad/s of a throw.
 const FASTEST: f64 = 25.0;
 /// Number of steps between two remembered states.

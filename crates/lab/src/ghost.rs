@@ -59,7 +59,7 @@ impl Ghost {
         stage.rod([0.0; 2], self.0.bob(), stage.tint.ink);
         stage.pivot();
         stage.bob(self.0.bob(), self.0.mass, two);
-        self.0.drag(&stage, &response);
+        self.0.drag(&stage, &response, false);
         StageRuler::lay_on(ui, &stage);
     }
 

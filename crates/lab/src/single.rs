@@ -84,7 +84,7 @@ impl Single {
         let (stage, response) = FigureCanvas::new(ui, size, reach, self.told());
         let (ink, faint, [one, two, three, _]) =
             (stage.tint.ink, stage.tint.faint, stage.tint.parts);
-        stage.note(Some(equation(&stage.tint)), "Drag the bob.");
+        stage.note(Some(equation(&stage.tint)), "Drag the bob, or throw it.");
         let tip = [bob[0], bob[1] - WEIGHT * length];
         stage.dashed([0.0; 2], [0.0, -0.6 * length], faint);
         stage.arc([0.0; 2], angle, 0.35 * length, one);
@@ -99,7 +99,7 @@ impl Single {
         let along = end([0.0; 2], 0.72 * length, angle);
         stage.label(along, &format!("rod r = {} m", fixed(length, 2)), ink);
         stage.label([0.0; 2], "pivot", faint);
-        self.0.drag(&stage, &response);
+        self.0.drag(&stage, &response, true);
         StageRuler::lay_on(ui, &stage);
     }
 }

@@ -13,6 +13,8 @@ use flipmap_pendulum::simple::{Crossings, MAX_AMPLITUDE, Simple, Swing};
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;
 
+/// Speed in m/s below which a bob that is let go is at rest.
+pub(super) const LEAST_THROW: f64 = 0.3;
 /// Range of the rod in m.
 const RODS: RangeInclusive<f64> = 0.1..=5.0;
 /// Range of the release in rad.
@@ -106,14 +108,36 @@ impl SinglePendulumSimulation {
         end([0.0; 2], self.simple.length, self.angle())
     }
 
-    /// Holds the bob while it is dragged, and releases it from rest where the drag ends.
-    pub(super) fn drag(&mut self, stage: &FigureCanvas, response: &Response) {
+    /// Holds the bob while it is dragged, and releases it where the drag ends: from rest, or with the
+    /// pointer's speed if it can be thrown.
+    pub(super) fn drag(&mut self, stage: &FigureCanvas, response: &Response, is_thrown: bool) {
         if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
             self.held = true;
             self.release(angle_of([0.0; 2], stage.place(at)));
         } else if self.held {
             self.held = false;
+            let velocity = response.ctx.input(|input| input.pointer.velocity());
+            if is_thrown {
+                self.throw(stage.velocity(velocity));
+            }
         }
+    }
+
+    /// Gives the bob a velocity in m/s, as far as it turns round before the top; slower than
+    /// [`LEAST_THROW`] it is let go at rest.
+    fn throw(&mut self, velocity: [f64; 2]) {
+        let Simple { length, gravity } = self.simple;
+        let (sin, cos) = self.swing.angle.sin_cos();
+        let across = velocity[0] * cos + velocity[1] * sin;
+        if across.abs() < LEAST_THROW {
+            return;
+        }
+        // Energy conservation: ω²/2 = (g/r)(cos θ − cos θ0).
+        let most = 2.0 * gravity / length * (cos - MAX_AMPLITUDE.cos()).max(0.0);
+        let speed = (across / length).clamp(-most.sqrt(), most.sqrt());
+        let turning = cos - 0.5 * speed * speed * length / gravity;
+        self.swing.speed = speed;
+        self.amplitude = turning.clamp(-1.0, 1.0).acos().min(MAX_AMPLITUDE).copysign(speed);
     }
 
     /// Returns the kinetic and potential energy of a state in J, both zero where the bob hangs at
@@ -181,5 +205,21 @@ mod tests {
         let before = often.swing;
         often.advance(1.0);
         assert_eq!(often.swing, before);
+    }
+
+    #[test]
+    fn a_thrown_bob_turns_round_at_its_amplitude() {
+        for (angle, velocity) in [(0.3, 2.0), (-1.0, -3.0), (1.0, 60.0)] {
+            let mut thrown = SinglePendulumSimulation::from(angle);
+            thrown.throw([velocity * angle.cos(), velocity * angle.sin()]);
+            assert!(velocity.abs() > 50.0 || (thrown.swing.speed - velocity).abs() < 1e-12);
+            let mut farthest: f64 = 0.0;
+            for _ in 0..2000 {
+                thrown.advance(0.005);
+                farthest = farthest.max(thrown.swing.angle.abs());
+            }
+            let off = farthest - thrown.amplitude.abs();
+            assert!(off.abs() < 2e-3, "{angle}, {velocity}: {farthest} for {}", thrown.amplitude);
+        }
     }
 }
