@@ -66,7 +66,6 @@ fn a_wrong_set_up_opens_no_window() {
 needs_adapter! {
     lesson:
     the_lesson_is_printed_with_its_figures_and_the_answers_last
-    a_figure_moves_in_a_film_and_the_map_does_not
 }
 
 mod lesson {
@@ -83,21 +82,23 @@ mod lesson {
         let why = "The mass stands on both sides of the equation";
         assert!(!questions.contains(why) && answers.contains(why));
     }
+}
 
-    pub(crate) fn a_figure_moves_in_a_film_and_the_map_does_not() {
-        let folder = folder();
-        let film = |name: &str| {
-            flipmap(&folder, &["lab", name, "--at", "0.2", "--size", "320x320", "-o", "a.gif"])
-        };
-        let output = film("double");
-        if error_of(&output).contains("cannot run ffmpeg") {
-            return;
-        }
-        assert!(output.status.success(), "{}", error_of(&output));
-        let bytes = fs::read(folder.path().join("a.gif")).unwrap();
-        assert!(bytes.starts_with(b"GIF89a") && bytes.len() > 10_000, "{}", bytes.len());
-        let output = film("map");
-        assert_eq!(output.status.code(), Some(2));
-        assert!(error_of(&output).contains("the map stands still"), "{}", error_of(&output));
-    }
+#[test]
+#[cfg_attr(
+    any(no_gpu, no_ffmpeg),
+    ignore = "FLIPMAP_NO_GPU=1 or FLIPMAP_NO_FFMPEG=1 declares what is absent"
+)]
+fn a_figure_moves_in_a_film_and_the_map_does_not() {
+    let folder = folder();
+    let film = |name: &str| {
+        flipmap(&folder, &["lab", name, "--at", "0.2", "--size", "320x320", "-o", "a.gif"])
+    };
+    let output = film("double");
+    assert!(output.status.success(), "{}", error_of(&output));
+    let bytes = fs::read(folder.path().join("a.gif")).unwrap();
+    assert!(bytes.starts_with(b"GIF89a") && bytes.len() > 10_000, "{}", bytes.len());
+    let output = film("map");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(error_of(&output).contains("the map stands still"), "{}", error_of(&output));
 }
