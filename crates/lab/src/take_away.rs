@@ -28,12 +28,26 @@ pub enum TakeAwayError {
     /// No adapter to draw on, or a failure of it.
     #[error(transparent)]
     Engine(#[from] EngineError),
-    /// No film.
+    /// The program ffmpeg cannot be run.
+    #[error(
+        "a film needs ffmpeg, which cannot be run ({0}); on Debian or Ubuntu: apt-get install ffmpeg"
+    )]
+    NoFfmpeg(io::Error),
+    /// A failure of ffmpeg.
     #[error(transparent)]
-    Ffmpeg(#[from] FfmpegError),
+    Ffmpeg(FfmpegError),
     /// A file that cannot be written.
     #[error(transparent)]
     File(#[from] io::Error),
+}
+
+impl From<FfmpegError> for TakeAwayError {
+    fn from(error: FfmpegError) -> Self {
+        match error {
+            FfmpegError::Missing(why) => TakeAwayError::NoFfmpeg(why),
+            error => TakeAwayError::Ffmpeg(error),
+        }
+    }
 }
 
 /// Endings of films; a .webp is a picture.
