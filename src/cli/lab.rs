@@ -34,12 +34,12 @@ pub(super) struct Options {
     #[arg(long, value_name = "DATA.csv")]
     csv: Option<PathBuf>,
     /// Seconds after the figure's start at which to take the picture and end the film and the data, 0
-    /// to 600
-    #[arg(long, value_name = "SECONDS", default_value = "10", allow_hyphen_values = true)]
-    at: String,
-    /// Width and height of the picture in pixels, each 320 to 8192
-    #[arg(long, value_name = "WxH", default_value = "1280x800")]
-    size: String,
+    /// to 600 (default: 10)
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    at: Option<String>,
+    /// Width and height of the picture in pixels, each 320 to 8192 (default: 1280x800)
+    #[arg(long, value_name = "WxH")]
+    size: Option<String>,
 }
 
 /// Maximum seconds for which a figure may be followed.
@@ -59,8 +59,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         return print_sheet(options);
     }
     let mut lab = named(name)?;
-    let secs = number_of("--at", &options.at, 0.0..=MAX_SECS, "s")?;
-    let size = size(&options.size)?;
+    let at = options.at.as_deref().unwrap_or("10");
+    let secs = number_of("--at", at, 0.0..=MAX_SECS, "s")?;
+    let size = size(options.size.as_deref().unwrap_or("1280x800"))?;
     if options.output.is_none() && options.csv.is_none() {
         let message = "nothing to write: give -o STILL.png, --csv DATA.csv or both";
         return Err(Exit::Usage(message.to_string()).into());
@@ -78,6 +79,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         super::check(path, option)?;
     }
     if lab.figure == Figure::Map {
+        if options.at.is_some() {
+            return Err(Exit::Usage("--at: the map stands still; leave it out".to_string()).into());
+        }
         if options.output.as_deref().is_some_and(is_film) {
             let message = "-o: the map stands still: name a picture, or see flipmap video";
             return Err(Exit::Usage(message.to_string()).into());
@@ -129,8 +133,9 @@ fn named(name: &str) -> Result<Lab, Exit> {
 
 /// Writes the lesson as a page to print.
 fn print_sheet(options: &Options) -> anyhow::Result<()> {
-    let Some(path) = options.output.as_deref().filter(|_| options.csv.is_none()) else {
-        let message = "the sheet is a page: give -o SHEET.html and no --csv";
+    let has_others = options.csv.is_some() || options.at.is_some() || options.size.is_some();
+    let Some(path) = options.output.as_deref().filter(|_| !has_others) else {
+        let message = "the sheet is a page: give -o SHEET.html, and no --csv, --at or --size";
         return Err(Exit::Usage(message.to_string()).into());
     };
     super::check_name(path, "-o", &["html"])?;

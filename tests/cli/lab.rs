@@ -31,6 +31,8 @@ fn a_sheet_is_a_page_and_nothing_else() {
     for (bad, words) in [
         (&["lab", "sheet"][..], "give -o SHEET.html"),
         (&["lab", "sheet", "--csv", "a.csv"], "give -o SHEET.html"),
+        (&["lab", "sheet", "-o", "a.html", "--at", "3"], "no --csv, --at or --size"),
+        (&["lab", "map", "--csv", "a.csv", "--at", "3"], "--at: the map stands still"),
         (&["lab", "sheet", "-o", "a.png"], ".html"),
     ] {
         let output = flipmap(&folder, bad);
@@ -91,14 +93,12 @@ mod lesson {
 )]
 fn a_figure_moves_in_a_film_and_the_map_does_not() {
     let folder = folder();
-    let film = |name: &str| {
-        flipmap(&folder, &["lab", name, "--at", "0.2", "--size", "320x320", "-o", "a.gif"])
-    };
-    let output = film("double");
+    let small = ["--size", "320x320", "-o", "a.gif"];
+    let output = flipmap(&folder, &[&["lab", "double", "--at", "0.2"][..], &small].concat());
     assert!(output.status.success(), "{}", error_of(&output));
     let bytes = fs::read(folder.path().join("a.gif")).unwrap();
     assert!(bytes.starts_with(b"GIF89a") && bytes.len() > 10_000, "{}", bytes.len());
-    let output = film("map");
+    let output = flipmap(&folder, &[&["lab", "map"][..], &small].concat());
     assert_eq!(output.status.code(), Some(2));
     assert!(error_of(&output).contains("the map stands still"), "{}", error_of(&output));
 }
