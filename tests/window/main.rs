@@ -297,7 +297,7 @@ mod checks {
         assert_eq!(told.text("figure"), "machine");
         let set = told.numbers("figure_set");
         assert!(set[0] != 2.0 || set[1] != 2.6, "the bob was not dragged: {set:?}");
-        assert!(set[2..] != [1.0, 1.0, 1.0, 1.0, 9.81], "no slider was moved: {set:?}");
+        assert!(set[2..7] != [1.0, 1.0, 1.0, 1.0, 9.81], "no slider was moved: {set:?}");
         assert!(told.number("figure_secs") > 3.0 && told.number("figure_fps") > 10.0);
     }
 
