@@ -284,11 +284,12 @@ impl AppModel {
         }
         actions.extend(self.ask_before_leaving(&ctx));
         actions.extend(notices::notices(&ctx, &self.state.notices, self.state.now_secs));
-        let status = self.status();
-        if status.doing.is_some() {
-            ctx.request_repaint_after(DOING);
-        }
-        if !self.is_projecting() {
+        // The line tells of the map, which a figure hides.
+        if !self.is_projecting() && !self.lab_hides_map() {
+            let status = self.status();
+            if status.doing.is_some() {
+                ctx.request_repaint_after(DOING);
+            }
             egui::Panel::bottom("status").show(ui, |ui| status_line(ui, &status));
         }
         if self.lab_hides_map() {
