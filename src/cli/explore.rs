@@ -5,8 +5,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use clap::Args;
-use flipmap_lab::set_up::PREFIX;
-use flipmap_lab::{Figure, Lab};
+use flipmap_lab::set_up::{PREFIX, parse};
 use flipmap_window::display;
 use flipmap_window::film_run::FilmOrder;
 use flipmap_window::folders::Folders;
@@ -83,8 +82,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
 fn set_up(options: &SceneOptions) -> Result<Option<String>, Exit> {
     let line = options.scene.as_ref().filter(|scene| scene.starts_with(PREFIX));
     if let Some(line) = line {
-        let opened = Lab::new(Figure::Single).open_set_up(line);
-        opened.map_err(|error| Exit::Usage(error.to_string()))?;
+        parse(line).map_err(|error| Exit::Usage(error.to_string()))?;
     }
     Ok(line.cloned())
 }

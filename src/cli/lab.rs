@@ -9,7 +9,7 @@ use flipmap_lab::home::home_map;
 use flipmap_lab::set_up::PREFIX;
 use flipmap_lab::sheet::sheet;
 use flipmap_lab::still::{Still, StillPainter, still};
-use flipmap_lab::take_away::{FILMS, TakeAway, is_film, write_still};
+use flipmap_lab::take_away::{FILMS, TakeAway, film_codec, write_still};
 use flipmap_lab::{Figure, Lab, Theme, flips};
 use flipmap_render::output::PICTURES;
 use flipmap_scene::not_among;
@@ -69,9 +69,9 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     let named = [("-o", options.output.as_deref()), ("--csv", options.csv.as_deref())];
     let outputs: Vec<_> =
         named.into_iter().filter_map(|(option, path)| Some((option, path?))).collect();
+    let drawn = [PICTURES, FILMS].concat();
     for (option, path) in &outputs {
-        let endings = [PICTURES, FILMS].concat();
-        super::check_name(path, option, if *option == "-o" { &endings } else { &["csv"] })?;
+        super::check_name(path, option, if *option == "-o" { &drawn } else { &["csv"] })?;
     }
     keep_apart(&[], &outputs)?;
     one_stream(&outputs, false)?;
@@ -82,7 +82,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         if options.at.is_some() {
             return Err(Exit::Usage("--at: the map stands still; leave it out".to_string()).into());
         }
-        if options.output.as_deref().is_some_and(is_film) {
+        if options.output.as_deref().and_then(film_codec).is_some() {
             let message = "-o: the map stands still: name a picture, or see flipmap video";
             return Err(Exit::Usage(message.to_string()).into());
         }
@@ -92,8 +92,10 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         super::write_whole(path, "--csv", live.csv(secs).as_bytes())?;
     }
     match &options.output {
-        Some(path) if is_film(path) => Ok(TakeAway::Film.write(&mut lab, path, size, secs)?),
-        Some(path) => write(path, &still(&mut lab, size, secs, Theme::Dark)?),
+        Some(path) if film_codec(path).is_some() => {
+            Ok(TakeAway::Film.write(&mut lab, path, size, secs)?)
+        }
+        Some(path) => write(path, &still(&mut lab, size, secs)?),
         None => Ok(()),
     }
 }

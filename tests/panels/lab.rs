@@ -210,7 +210,7 @@ fn time_is_paused_slowed_and_scrubbed_by_name() {
 #[test]
 fn the_lesson_goes_through_the_questions_of_a_figure_and_on() {
     let mut harness = figure(Figure::Single, 3.0);
-    harness.state_mut().lab.toggle_lesson(true);
+    harness.state_mut().lab.set_lesson(true);
     harness.run_steps(2);
     let secs = |harness: &mut Harness<'_, Shown>| {
         harness.state_mut().lab.advance(0.1);

@@ -67,7 +67,7 @@ const MARGIN: Vec2 = vec2(48.0, 36.0);
 const LEAST: Vec2 = vec2(160.0, 136.0);
 /// Height of a row of the legend above the chart, in points.
 const HEAD: f32 = 16.0;
-/// Largest number of points drawn for a curve; more could not be told apart.
+/// Largest number of points drawn for a curve; more cost a software renderer frames.
 const MAX_POINTS: usize = 300;
 
 impl Curve {

@@ -6,7 +6,7 @@ use egui::{Button, ComboBox, Grid, Response, Ui, Vec2, vec2};
 use super::arrangement::Arrangement;
 use super::chart::{Chart, ChartAxis, Curve};
 use super::controls::{FRICTIONS, build, energy_bar, friction, row, thrown};
-use super::double_simulation::{DoublePendulumSimulation, draw_rods};
+use super::double_simulation::{DoublePendulumSimulation, draw_rods, told};
 use super::drawing::{FigureCanvas, StageReach, Tint, end, ends, wrapped};
 use super::quantity::{Quantity, energy};
 use super::reversal::{MAX_OUT_SECS, Reversal};
@@ -155,19 +155,19 @@ impl Double {
         let lengths = build.lengths_m();
         let reach = StageReach::of_rods(lengths[0] + lengths[1]);
         let stage = FigureCanvas::seen(ui, size, reach, self.told());
-        let trail =
-            |k: u32| ends(lengths, reversal.by_rk4.state_at(secs - f64::from(k) / 120.0).angle)[1];
-        let past = (0..=(120.0 * secs.min(4.0)) as u32).rev().map(trail);
-        stage.trail(&past.collect::<Vec<_>>(), stage.tint.parts[1]);
+        let angle = self.shown().angle;
+        let bob = |angle: [f64; 2]| ends(lengths, angle)[1];
+        let past = reversal.by_rk4.past(secs).iter().map(|state| bob(state.angle));
+        let trail: Vec<_> = past.chain([bob(angle)]).collect();
+        stage.trail(&trail, stage.tint.parts[1]);
         let exact = ends(lengths, reversal.exact.state_at(secs).angle);
         for (from, to) in [([0.0; 2], exact[0]), (exact[0], exact[1])] {
             stage.dashed(from, to, stage.tint.faint);
         }
         stage.bob(exact[1], 0.5 * build.masses_kg()[1], stage.tint.faint);
-        let angle = reversal.by_rk4.state_at(secs).angle;
         draw_rods(&stage, build, angle);
         stage.note(None, "Time reversed: RK4 in steps of 1/120 s; in grey, double-double.");
-        stage.label(ends(lengths, angle)[1], "RK4", stage.tint.parts[1]);
+        stage.label(bob(angle), "RK4", stage.tint.parts[1]);
         stage.label(exact[1], "double-double", stage.tint.faint);
         StageRuler::lay_on(ui, &stage);
     }
@@ -277,32 +277,25 @@ impl LiveFigure for Double {
     }
 
     fn told(&self) -> String {
-        match (&self.reversal, self.secs_back()) {
-            (Some(reversal), Some(secs)) => {
-                let angle = reversal.by_rk4.state_at(secs).angle;
-                let [theta1, theta2] = angle.map(|angle| fixed(wrapped(angle), 3));
-                format!(
-                    "{} s after the turn: θ1 is {theta1} rad, θ2 is {theta2} rad",
-                    fixed(secs, 2)
-                )
-            }
-            _ => self.simulation.told(),
+        let angles = told(self.shown().angle);
+        match self.secs_back() {
+            Some(secs) => format!("{} s after the turn: {angles}", fixed(secs, 2)),
+            None => angles,
         }
     }
 
     fn draw(&mut self, ui: &mut Ui, size: Vec2) {
         let tint = Tint::of(ui);
-        let back = self.secs_back();
-        let chart = match (&self.reversal, back) {
+        let chart = match (&self.reversal, self.secs_back()) {
             (Some(reversal), Some(secs)) => reversal.chart(secs, &tint),
             _ => self.chart(&tint),
         };
-        let told = format!("Chart of {} against {}", chart.up.name, chart.across.name);
+        let named = format!("Chart of {} against {}", chart.up.name, chart.across.name);
         Arrangement::of(size, 1).show(
             ui,
             |ui, size| self.draw_stage(ui, size),
             |ui, size| {
-                chart.show(ui, size, &told);
+                chart.show(ui, size, &named);
             },
         );
     }

@@ -4,9 +4,8 @@ use egui::Response;
 
 use super::clock::Clock;
 use super::controls::{ANGLES, GRAVITIES, LENGTHS, MASSES, SPEEDS};
-use super::drawing::{FigureCanvas, angle_of, ends, wrapped};
+use super::drawing::{FigureCanvas, angle_of, ends, turning, wrapped};
 use super::set_up::SetUpWord;
-use super::single_simulation::LEAST_THROW;
 use flipmap_numbers::number_text::fixed;
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::rk4;
@@ -151,23 +150,18 @@ impl DoublePendulumSimulation {
         self.held = Some(rod);
     }
 
-    /// Releases the pendulum with one rod turning as a velocity in m/s of its end turns it; slower
-    /// than [`LEAST_THROW`] it is let go at rest.
+    /// Releases the pendulum with one rod turning as a velocity in m/s of its end turns it, if that is
+    /// a throw.
     fn throw(&mut self, rod: usize, velocity: [f64; 2]) {
-        let angle = self.state.angle;
-        let (sin, cos) = angle[rod].sin_cos();
-        let across = velocity[0] * cos + velocity[1] * sin;
-        let mut start = State::rest(angle);
-        if across.abs() >= LEAST_THROW {
-            start.speed[rod] = (across / self.build.lengths_m()[rod]).clamp(-FASTEST, FASTEST);
-        }
+        let mut start = State::rest(self.state.angle);
+        let speed = turning(velocity, start.angle[rod], self.build.lengths_m()[rod]);
+        start.speed[rod] = speed.unwrap_or(0.0).clamp(-FASTEST, FASTEST);
         self.release(start);
     }
 
     /// Describes both angles in words.
     pub(super) fn told(&self) -> String {
-        let [theta1, theta2] = self.now().angle.map(|angle| fixed(wrapped(angle), 3));
-        format!("θ1 is {theta1} rad, θ2 is {theta2} rad")
+        told(self.now().angle)
     }
 
     /// Draws the pendulum with its trail.
@@ -177,6 +171,12 @@ impl DoublePendulumSimulation {
         stage.trail(&trail.collect::<Vec<_>>(), stage.tint.parts[1]);
         draw_rods(stage, &self.build, self.now().angle);
     }
+}
+
+/// Describes two angles in words.
+pub(super) fn told(angle: [f64; 2]) -> String {
+    let [theta1, theta2] = angle.map(|angle| fixed(wrapped(angle), 3));
+    format!("θ1 is {theta1} rad, θ2 is {theta2} rad")
 }
 
 /// Draws the rods and bobs, or the bars, of a pendulum.

@@ -305,6 +305,17 @@ pub(crate) fn angle_of(from: [f64; 2], to: [f64; 2]) -> f64 {
     (to[0] - from[0]).atan2(from[1] - to[1])
 }
 
+/// Speed in m/s below which a bob that is let go is at rest.
+const LEAST_THROW: f64 = 0.3;
+
+/// Returns the speed in rad/s with which a velocity in m/s of its end turns a rod, or `None` if that is
+/// slower than a throw.
+pub(crate) fn turning(velocity: [f64; 2], angle: f64, length: f64) -> Option<f64> {
+    let (sin, cos) = angle.sin_cos();
+    let across = velocity[0] * cos + velocity[1] * sin;
+    (across.abs() >= LEAST_THROW).then(|| across / length)
+}
+
 /// Wraps an angle to (−π, π].
 pub(crate) fn wrapped(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};

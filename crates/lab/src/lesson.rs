@@ -19,8 +19,6 @@ pub struct Lesson {
     choice: Option<usize>,
     /// True once the answer is shown.
     is_revealed: bool,
-    /// True once the figure was opened for the question.
-    is_open: bool,
 }
 
 impl Lesson {
@@ -44,9 +42,9 @@ impl Lesson {
         self.is_revealed = true;
     }
 
-    fn ask(&mut self, figure: Figure, question: usize) {
-        let figure = Some(figure);
-        *self = Lesson { is_on: true, figure, question, ..Lesson::default() };
+    /// Returns the lesson with a question that nobody has answered.
+    fn asking(figure: Figure, question: usize) -> Self {
+        Lesson { is_on: true, figure: Some(figure), question, ..Lesson::default() }
     }
 }
 
@@ -60,30 +58,32 @@ enum Answer {
 
 impl Lab {
     /// Begins the lesson with the first figure, or ends it.
-    pub fn toggle_lesson(&mut self, is_on: bool) {
+    pub fn set_lesson(&mut self, is_on: bool) {
         self.lesson = Lesson { is_on, ..Lesson::default() };
     }
 
-    /// Shows the question of the figure that is shown. A new question opens the figure at its start
-    /// and pauses it; a choice lets it run.
+    /// Asks a question about the figure that is shown: opens it as the question begins, and pauses it.
+    fn ask(&mut self, question: usize) {
+        self.lesson = Lesson::asking(self.figure, question);
+        let prediction = &predictions(self.figure)[question];
+        open_for(self, prediction);
+        self.playing.paused |= prediction.set_up.is_some();
+    }
+
+    /// Shows the question of the figure that is shown. A choice lets the figure run.
     pub fn lesson_card(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         let figure = self.figure;
         if self.lesson.figure != Some(figure) {
-            self.lesson.ask(figure, 0);
+            self.ask(0);
         }
-        let prediction = predictions(figure)[self.lesson.question];
-        if !self.lesson.is_open {
-            self.lesson.is_open = true;
-            open_for(self, &prediction);
-            self.playing.paused |= prediction.set_up.is_some();
-        }
-        match card(ui, figure, &self.lesson, &prediction)? {
+        let prediction = &predictions(figure)[self.lesson.question];
+        match card(ui, figure, &self.lesson, prediction)? {
             Answer::Choose(choice) => {
                 self.lesson.choice = Some(choice);
                 self.playing.paused = false;
             }
             Answer::Reveal => self.lesson.reveal(),
-            Answer::Ask(question) => self.lesson.ask(figure, question),
+            Answer::Ask(question) => self.ask(question),
             Answer::Request(request) => {
                 if request == FigureRequest::EndLesson {
                     self.lesson = Lesson::default();
@@ -223,7 +223,7 @@ mod tests {
         assert!(lesson.awaits_reveal());
         lesson.reveal();
         assert!(!lesson.awaits_reveal());
-        lesson.ask(Figure::Ghost, 1);
+        lesson = Lesson::asking(Figure::Ghost, 1);
         assert_eq!((lesson.choice, lesson.is_revealed), (None, false));
     }
 }

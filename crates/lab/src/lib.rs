@@ -366,13 +366,10 @@ impl Lab {
         asked.or(take_away_buttons(ui))
     }
 
-    /// Returns a copy of the lab with the figure that is shown at its present moment; the others are
-    /// as they begin.
+    /// Returns a copy of the lab with all figures at their present moments.
     pub fn copied(&self) -> Self {
-        let mut copy = Lab::new(self.figure);
-        copy.live[self.figure as usize] =
-            self.live[self.figure as usize].as_ref().map(|live| live.copied());
-        copy
+        let live = self.live.each_ref().map(|live| live.as_ref().map(|live| live.copied()));
+        Lab { live, playing: self.playing.clone(), ..*self }
     }
 }
 
@@ -381,8 +378,9 @@ fn take_away_buttons(ui: &mut Ui) -> Option<FigureRequest> {
     let mut asked = None;
     ui.horizontal_wrapped(|ui| {
         ui.label("Take away");
-        for (kind, name, ending) in TakeAway::ALL {
-            if ui.button(name).on_hover_text(format!("Write the figure as .{ending}")).clicked() {
+        for kind in TakeAway::ALL {
+            let hint = format!("Write the figure as .{}", kind.ending());
+            if ui.button(kind.name()).on_hover_text(hint).clicked() {
                 asked = Some(FigureRequest::TakeAway(kind));
             }
         }
@@ -466,7 +464,7 @@ mod tests {
         for figure in Figure::all().filter(|figure| *figure != Figure::Map) {
             for size in [[640.0, 480.0], [1280.0, 800.0]] {
                 let mut lab = Lab::new(figure);
-                lab.toggle_lesson(true);
+                lab.set_lesson(true);
                 apart(&texts(&mut lab, size.into()), size, &format!("{figure:?}"));
             }
         }

@@ -14,6 +14,8 @@ use flipmap_scene::PendulumSpec;
 
 /// Number of RK4 steps per second, as in the lesson.
 const STEPS_A_SEC: f64 = 120.0;
+/// Seconds of the way back that a trail shows.
+const PAST_SECS: f64 = 4.0;
 /// Most seconds of the way out; the gold standard takes about a millisecond for each.
 pub(super) const MAX_OUT_SECS: f64 = 120.0;
 
@@ -133,6 +135,12 @@ impl WayBack {
         let lost = readings.iter().find(|reading| reading.separation_rad > SATURATED_RAD);
         let lost_secs = lost.map(|reading| reading.secs);
         WayBack { states: back.iter().map(narrow).collect(), readings, growth, lost_secs }
+    }
+
+    /// Returns the states of the last seconds before `secs` after the turn.
+    pub(super) fn past(&self, secs: f64) -> &[State<f64>] {
+        let step = |secs: f64| ((secs * STEPS_A_SEC) as usize).min(self.states.len() - 1);
+        &self.states[step((secs - PAST_SECS).max(0.0))..=step(secs)]
     }
 
     /// Returns the state `secs` after the turn, between two steps on a straight line.

@@ -154,41 +154,47 @@ impl Lab {
     /// Shows a figure as a line of text sets it up; words that are not given keep their defaults.
     /// If the text is wrong, nothing changes.
     pub fn open_set_up(&mut self, text: &str) -> Result<(), SetUpError> {
-        let text = text.trim().strip_prefix(PREFIX).ok_or(SetUpError::Foreign)?;
-        let mut parts = text.split(';').map(str::trim).filter(|part| !part.is_empty());
-        let name = parts.next().unwrap_or_default();
-        let figure = Figure::named(name).ok_or_else(|| SetUpError::NoFigure {
-            name: name.to_string(),
-            allowed: not_among("figures", &Figure::names(), name),
-        })?;
-        let mut fresh = Lab::new(figure);
-        let mut words = fresh.live().map_or(Vec::new(), |live| live.set_up());
-        let mut said: Vec<&str> = Vec::new();
-        for part in parts {
-            if words.is_empty() {
-                return Err(SetUpError::Map);
-            }
-            let (key, value) =
-                part.split_once('=').ok_or_else(|| SetUpError::NoWord(part.to_string()))?;
-            let names: Vec<&str> = words.iter().map(|word| word.name).collect();
-            let word = words.iter_mut().find(|word| word.name == key.trim());
-            let word = word.ok_or_else(|| SetUpError::Unknown {
-                word: key.to_string(),
-                meant: did_you_mean(&names, key),
-                known: names.join(", "),
-            })?;
-            if said.contains(&word.name) {
-                return Err(SetUpError::Twice(word.name));
-            }
-            said.push(word.name);
-            word.read(value.trim())?;
-        }
+        let (figure, words) = parse(text)?;
         self.show_figure(figure);
         if let Some(live) = self.live() {
             live.take_set_up(&numbers(&words));
         }
         Ok(())
     }
+}
+
+/// Reads a line of text; returns its figure and all words of the figure's set-up.
+pub fn parse(text: &str) -> Result<(Figure, Vec<SetUpWord>), SetUpError> {
+    let text = text.trim().strip_prefix(PREFIX).ok_or(SetUpError::Foreign)?;
+    let mut parts = text.split(';').map(str::trim).filter(|part| !part.is_empty());
+    let name = parts.next().unwrap_or_default();
+    let figure = Figure::named(name).ok_or_else(|| SetUpError::NoFigure {
+        name: name.to_string(),
+        allowed: not_among("figures", &Figure::names(), name),
+    })?;
+    let fresh = (figure.entry().begin)();
+    let mut words = fresh.map_or(Vec::new(), |live| live.set_up());
+    let mut said: Vec<&str> = Vec::new();
+    for part in parts {
+        if words.is_empty() {
+            return Err(SetUpError::Map);
+        }
+        let (key, value) =
+            part.split_once('=').ok_or_else(|| SetUpError::NoWord(part.to_string()))?;
+        let names: Vec<&str> = words.iter().map(|word| word.name).collect();
+        let word = words.iter_mut().find(|word| word.name == key.trim());
+        let word = word.ok_or_else(|| SetUpError::Unknown {
+            word: key.to_string(),
+            meant: did_you_mean(&names, key),
+            known: names.join(", "),
+        })?;
+        if said.contains(&word.name) {
+            return Err(SetUpError::Twice(word.name));
+        }
+        said.push(word.name);
+        word.read(value.trim())?;
+    }
+    Ok((figure, words))
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ const SIZE: [u32; 2] = [880, 520];
 /// Returns the sheet as a page of HTML that needs no other file. The figures are as their first
 /// question opens them, so that no picture gives an answer away.
 pub fn sheet(map: &HomeMap) -> Result<String, EngineError> {
+    let mut painter = StillPainter::new(SIZE, Theme::Light)?;
     let mut figures = Vec::new();
     for figure in Figure::all() {
         let picture = match figure {
@@ -29,10 +30,10 @@ pub fn sheet(map: &HomeMap) -> Result<String, EngineError> {
                 let rgb = map.image.pixels.iter().flat_map(|pixel| pixel.to_array()[..3].to_vec());
                 Still { size: map.image.size.map(|side| side as u32), rgb: rgb.collect() }
             }
-            _ => picture(figure)?,
+            _ => picture(&mut painter, figure)?,
         };
         let questions: Vec<Value> = predictions(figure).iter().map(question).collect();
-        let picture = BASE64_STANDARD.encode(png(&picture)?);
+        let picture = BASE64_STANDARD.encode(png(picture)?);
         figures.push(context! { title => figure.title(), picture, questions });
     }
     let mut pages = Environment::new();
@@ -41,10 +42,10 @@ pub fn sheet(map: &HomeMap) -> Result<String, EngineError> {
     page.map_err(|error| EngineError::Unsupported(error.to_string()))
 }
 
-fn picture(figure: Figure) -> Result<Still, EngineError> {
+fn picture(painter: &mut StillPainter, figure: Figure) -> Result<Still, EngineError> {
     let mut lab = Lab::new(figure);
     open_for(&mut lab, &predictions(figure)[0]);
-    StillPainter::new(SIZE, Theme::Light)?.paint(|ui| lab.show_alone(ui))
+    painter.paint(|ui| lab.show_alone(ui))
 }
 
 fn question(prediction: &Prediction) -> Value {
@@ -53,10 +54,10 @@ fn question(prediction: &Prediction) -> Value {
 }
 
 /// Encodes a picture as a PNG file.
-fn png(still: &Still) -> Result<Vec<u8>, EngineError> {
+fn png(still: Still) -> Result<Vec<u8>, EngineError> {
     let [width, height] = still.size;
     let mut file = Cursor::new(Vec::new());
-    let picture = RgbImage::from_raw(width, height, still.rgb.clone());
+    let picture = RgbImage::from_raw(width, height, still.rgb);
     let written = picture.map(|picture| picture.write_to(&mut file, ImageFormat::Png));
     match written {
         Some(Ok(())) => Ok(file.into_inner()),

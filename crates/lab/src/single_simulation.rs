@@ -6,15 +6,13 @@ use egui::{Grid, Response, Ui};
 
 use super::clock::Clock;
 use super::controls::{GRAVITIES, MASSES, number};
-use super::drawing::{FigureCanvas, angle_of, end};
+use super::drawing::{FigureCanvas, angle_of, end, turning};
 use super::set_up::SetUpWord;
 use flipmap_pendulum::simple::{Crossings, MAX_AMPLITUDE, Simple, Swing};
 
 /// Number of steps per second.
 const STEPS_A_SEC: f64 = 480.0;
 
-/// Speed in m/s below which a bob that is let go is at rest.
-pub(super) const LEAST_THROW: f64 = 0.3;
 /// Range of the rod in m.
 const RODS: RangeInclusive<f64> = 0.1..=5.0;
 /// Range of the release in rad.
@@ -123,21 +121,17 @@ impl SinglePendulumSimulation {
         }
     }
 
-    /// Gives the bob a velocity in m/s, as far as it turns round before the top; slower than
-    /// [`LEAST_THROW`] it is let go at rest.
+    /// Gives the bob a velocity in m/s, as far as it turns round before the top, if that is a throw.
     fn throw(&mut self, velocity: [f64; 2]) {
         let Simple { length, gravity } = self.simple;
-        let (sin, cos) = self.swing.angle.sin_cos();
-        let across = velocity[0] * cos + velocity[1] * sin;
-        if across.abs() < LEAST_THROW {
-            return;
-        }
+        let Some(speed) = turning(velocity, self.swing.angle, length) else { return };
         // Energy conservation: ω²/2 = (g/r)(cos θ − cos θ0).
-        let most = 2.0 * gravity / length * (cos - MAX_AMPLITUDE.cos()).max(0.0);
-        let speed = (across / length).clamp(-most.sqrt(), most.sqrt());
-        let turning = cos - 0.5 * speed * speed * length / gravity;
+        let cos = self.swing.angle.cos();
+        let most = (2.0 * gravity / length * (cos - MAX_AMPLITUDE.cos()).max(0.0)).sqrt();
+        let speed = speed.clamp(-most, most);
+        let highest = cos - 0.5 * speed * speed * length / gravity;
         self.swing.speed = speed;
-        self.amplitude = turning.clamp(-1.0, 1.0).acos().min(MAX_AMPLITUDE).copysign(speed);
+        self.amplitude = highest.clamp(-1.0, 1.0).acos().min(MAX_AMPLITUDE).copysign(speed);
     }
 
     /// Returns the kinetic and potential energy of a state in J, both zero where the bob hangs at

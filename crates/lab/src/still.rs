@@ -22,10 +22,10 @@ const FRAMES_A_SEC: f64 = 60.0;
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 /// Draws a figure `secs` after its start.
-pub fn still(lab: &mut Lab, size: [u32; 2], secs: f64, theme: Theme) -> Result<Still, EngineError> {
+pub fn still(lab: &mut Lab, size: [u32; 2], secs: f64) -> Result<Still, EngineError> {
     let frames = (secs * FRAMES_A_SEC).round() as u32;
     (0..frames).for_each(|_| lab.advance(1.0 / FRAMES_A_SEC));
-    StillPainter::new(size, theme)?.paint(|ui| {
+    StillPainter::new(size, Theme::Dark)?.paint(|ui| {
         lab.show(ui);
     })
 }

@@ -56,12 +56,26 @@ pub const FILMS: &[&str] = &["gif", "mp4", "mkv"];
 const FPS: f64 = 25.0;
 
 impl TakeAway {
-    /// All kinds, with their names and the usual endings of their files.
-    pub const ALL: [(TakeAway, &'static str, &'static str); 3] = [
-        (TakeAway::Picture, "Picture", "png"),
-        (TakeAway::Film, "Film", "gif"),
-        (TakeAway::Data, "Data", "csv"),
-    ];
+    /// All kinds, in the order of buttons.
+    pub const ALL: [TakeAway; 3] = [TakeAway::Picture, TakeAway::Film, TakeAway::Data];
+
+    /// Returns the name of the kind.
+    pub fn name(self) -> &'static str {
+        match self {
+            TakeAway::Picture => "Picture",
+            TakeAway::Film => "Film",
+            TakeAway::Data => "Data",
+        }
+    }
+
+    /// Returns the usual ending of its files.
+    pub fn ending(self) -> &'static str {
+        match self {
+            TakeAway::Picture => "png",
+            TakeAway::Film => "gif",
+            TakeAway::Data => "csv",
+        }
+    }
 
     /// Writes the figure that is shown to a file: the picture of its present moment, or the film or
     /// the data of its first `secs`. Pictures and films are `size` pixels large.
@@ -86,10 +100,9 @@ impl TakeAway {
     }
 }
 
-/// Returns true if a file's ending is that of a film.
-pub fn is_film(path: &Path) -> bool {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    ending.is_some_and(|ending| FILMS.contains(&&*ending))
+/// Returns the codec of a film by its name, or `None` if it is not among [`FILMS`].
+pub fn film_codec(path: &Path) -> Option<Codec> {
+    Codec::of(path).filter(|codec| *codec != Codec::WebP)
 }
 
 /// Writes a picture in the format that its ending names.
@@ -100,7 +113,8 @@ pub fn write_still(still: &Still, path: &Path) -> io::Result<()> {
 }
 
 fn write_film(lab: &mut Lab, path: &Path, size: [u32; 2], secs: f64) -> Result<(), TakeAwayError> {
-    let codec = Codec::of(path).unwrap_or(Codec::Gif);
+    let no_film = || io::Error::other(format!("a film is a .{}", FILMS.join(", .")));
+    let codec = film_codec(path).ok_or_else(no_film)?;
     Encoder::check_place(path)?;
     let frames = FrameFormat { size, fps: FPS };
     let encoding = tried(codec, FilmQuality::default(), frames, path)?;

@@ -83,7 +83,7 @@ impl AppModel {
                 self.show_figure(Some(self.lab.figure));
             }
             LabAction::Lesson => {
-                lab.toggle_lesson(!(lab.lesson.is_on && self.state.shown.lab));
+                lab.set_lesson(!(lab.lesson.is_on && self.state.shown.lab));
                 if lab.lesson.is_on {
                     self.show_figure(Some(Figure::Single));
                 }
@@ -99,13 +99,9 @@ impl AppModel {
 
     /// Begins to write the figure that is shown to a new file beside the last picture.
     fn take_away(&mut self, kind: TakeAway) {
-        let Some((_, _, ending)) = TakeAway::ALL.into_iter().find(|(other, ..)| *other == kind)
-        else {
-            return;
-        };
         let beside: &Path = self.forms.export.path.as_ref();
         let stem = format!("flipmap-{}", self.lab.figure.name());
-        let path = self.saved_pictures.next_path(beside, &stem, ending);
+        let path = self.saved_pictures.next_path(beside, &stem, kind.ending());
         let secs = self.lab.live().map_or(0.0, |live| live.secs()).clamp(1.0, MOST_SECS);
         let mut lab = self.lab.copied();
         self.saved_pictures.begin(path, Arc::clone(&self.wake), move |path| {
@@ -136,7 +132,7 @@ impl AppModel {
             Some(figure) => self.lab.show_figure(figure),
             None => {
                 self.lab.projector = false;
-                self.lab.toggle_lesson(false);
+                self.lab.set_lesson(false);
             }
         }
         if self.lab_hides_map() {
