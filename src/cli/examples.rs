@@ -22,6 +22,12 @@ pub(super) const VIDEO: &str = "Examples:
   flipmap video --vary gravity=9.81..1.62 --size 640x360 -o moon.gif
   flipmap video moment --vary at=0..12 -o moment.webp";
 
+/// The examples of `flipmap measure --help`.
+pub(super) const MEASURE: &str = "Examples:
+  flipmap measure --of areas,survival
+  flipmap measure rods --samples 1000000 -o rods/
+  flipmap measure --ask first --of wada,entropy -o basins/ --json";
+
 /// The examples of `flipmap trace --help`.
 pub(super) const TRACE: &str = "Examples:
   flipmap trace --start=170deg,-0.5pi --until 10 -o path.csv

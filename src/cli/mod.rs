@@ -19,6 +19,7 @@ mod hunt;
 #[cfg(feature = "window")]
 mod lab;
 mod manual;
+mod measure;
 mod option_names;
 mod options;
 mod outputs;
@@ -100,6 +101,9 @@ enum Verb {
     Trace(Box<trace::Options>),
     /// Compare two results of the same size; exits with 3 if they differ too much.
     Compare(compare::Options),
+    /// Measure a scene: areas, survival, the dimension of its edges, basin entropy, with 95 % intervals.
+    #[command(after_long_help = examples::MEASURE)]
+    Measure(Box<measure::Options>),
     /// Draw one of the lesson's live figures as a still, or write its data.
     #[cfg(feature = "window")]
     Lab(lab::Options),
@@ -122,6 +126,7 @@ impl Verb {
             Verb::Run(options) => options.progress,
             Verb::Merge(options) => options.progress,
             Verb::Report(options) => options.progress,
+            Verb::Measure(options) => options.progress,
             _ => Mode::Auto,
         }
     }
@@ -148,6 +153,7 @@ pub(crate) fn run() -> anyhow::Result<()> {
         Verb::Merge(options) => plan::merge(&options),
         Verb::Trace(options) => trace::run(&options),
         Verb::Compare(options) => compare::run(&options),
+        Verb::Measure(options) => measure::run(&options),
         #[cfg(feature = "window")]
         Verb::Lab(options) => lab::run(&options),
         Verb::Report(options) => report::run(&options),

@@ -16,8 +16,8 @@ use super::vitals::Watch;
 /// Memory that the process may use in addition to its tile cache, MiB, as measured over ten
 /// minutes: about 100 for the map's tiles on the card, which a software driver keeps in main
 /// memory; 100 for the code of the driver and the program; 200 for data of driver, interface and
-/// deep views; and up to 150 that the allocator keeps free in the heaps of its threads. After a
-/// lost device, the new one has its tiles before those of the lost one are freed.
+/// deep views; and up to 150 that the allocator keeps free in its two heaps. After a lost device, the
+/// new one has its tiles before those of the lost one are freed.
 const BESIDE_MIB: f64 = 600.0;
 /// The same after minutes, in MiB. What the program itself holds does not grow (334 MiB, 245 of them
 /// software Vulkan's, after 150 s by heaptrack), but the system's allocator keeps several times as

@@ -5,9 +5,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::interval::quantile_t;
-use crate::line::Line;
-use crate::{EstimateError, Interval};
+use crate::estimate::quantile_t;
+use crate::line::FittedLine;
+use crate::{Estimate, EstimateError};
 
 /// A square picture of classes, row by row.
 #[derive(Clone, Debug)]
@@ -22,7 +22,7 @@ pub struct Raster {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BoxDimension {
     /// The dimension over all sizes.
-    pub dimension: Interval,
+    pub dimension: Estimate,
     /// Side of a box in pixels, and number of boxes with two classes.
     pub counts: Vec<(usize, u64)>,
     /// The dimension between each size and the next.
@@ -81,7 +81,7 @@ pub fn dimension(raster: &Raster) -> Result<BoxDimension, EstimateError> {
             [-(*size as f64).ln(), (*count as f64).max(0.5).ln(), 1.0]
         };
         let points: Vec<[f64; 3]> = sizes.iter().zip(counts).map(point).collect();
-        Line::fit(&points).map_or(f64::NAN, |line| line.slope)
+        FittedLine::fit(&points).map_or(f64::NAN, |line| line.slope)
     };
     let without: Vec<f64> = (0..parts.len()).map(|k| slope(&summed(Some(k)))).collect();
     let local = all.windows(2).map(|two| (two[0] as f64 / two[1] as f64).log2()).collect();
@@ -90,10 +90,10 @@ pub fn dimension(raster: &Raster) -> Result<BoxDimension, EstimateError> {
 }
 
 /// Returns a value with the interval that follows from leaving out one part after the other.
-fn jackknifed(value: f64, without: &[f64]) -> Interval {
+fn jackknifed(value: f64, without: &[f64]) -> Estimate {
     let n = without.len() as f64;
     let mean = without.iter().sum::<f64>() / n;
     let squares: f64 = without.iter().map(|one| (one - mean).powi(2)).sum();
     let by = quantile_t(without.len() - 1) * (squares * (n - 1.0) / n).sqrt();
-    Interval { value, low: value - by, high: value + by }
+    Estimate { value, low: value - by, high: value + by }
 }

@@ -9,8 +9,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::shares::Counts;
-use crate::{EstimateError, Interval};
+use crate::shares::ClassCounts;
+use crate::{Estimate, EstimateError};
 
 /// Boxes of one size, in groups that are independent of each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,7 +18,7 @@ pub struct Boxes {
     /// Side of a box.
     pub side: f64,
     /// Samples of each box, by class.
-    pub groups: Vec<Vec<Counts>>,
+    pub groups: Vec<Vec<ClassCounts>>,
 }
 
 /// The entropies of boxes of one size.
@@ -27,24 +27,24 @@ pub struct Entropy {
     /// Side of a box.
     pub side: f64,
     /// The basin entropy.
-    pub basin: Interval,
+    pub basin: Estimate,
     /// The boundary basin entropy; `None` if no box is mixed.
-    pub boundary: Option<Interval>,
+    pub boundary: Option<Estimate>,
     /// True if the boundary basin entropy lies above ln 2, which proves a fractal boundary.
     pub is_above_ln2: bool,
 }
 
 /// Estimates the entropies.
 pub fn entropy(boxes: &Boxes) -> Result<Entropy, EstimateError> {
-    let per_box = |group: &Vec<Counts>| READINGS.map(|k| [sum(group, k), group.len() as f64]);
-    let per_mixed = |group: &Vec<Counts>| READINGS.map(|k| [sum(group, k), mixed(group, k)]);
+    let per_box = |group: &Vec<ClassCounts>| READINGS.map(|k| [sum(group, k), group.len() as f64]);
+    let per_mixed = |group: &Vec<ClassCounts>| READINGS.map(|k| [sum(group, k), mixed(group, k)]);
     let basin: Vec<[[f64; 2]; 3]> = boxes.groups.iter().map(per_box).collect();
     let boundary: Vec<[[f64; 2]; 3]> = boxes.groups.iter().map(per_mixed).collect();
-    let boundary = Interval::of_ratios(&boundary)?;
+    let boundary = Estimate::of_ratios(&boundary)?;
     let boundary = boundary.high.is_finite().then_some(boundary);
     Ok(Entropy {
         side: boxes.side,
-        basin: Interval::of_ratios(&basin)?.within(0.0, f64::INFINITY),
+        basin: Estimate::of_ratios(&basin)?.within(0.0, f64::INFINITY),
         is_above_ln2: boundary.is_some_and(|entropy| entropy.low > std::f64::consts::LN_2),
         boundary,
     })
@@ -53,18 +53,18 @@ pub fn entropy(boxes: &Boxes) -> Result<Entropy, EstimateError> {
 /// The ways in which unsure samples are counted.
 const READINGS: [usize; 3] = [0, 1, 2];
 
-fn sum(group: &[Counts], reading: usize) -> f64 {
+fn sum(group: &[ClassCounts], reading: usize) -> f64 {
     group.iter().map(|counts| readings(counts)[reading]).sum()
 }
 
 /// Number of boxes with two classes or more.
-fn mixed(group: &[Counts], reading: usize) -> f64 {
+fn mixed(group: &[ClassCounts], reading: usize) -> f64 {
     group.iter().filter(|counts| readings(counts)[reading] > 0.0).count() as f64
 }
 
 /// Returns the entropy of a box with its unsure samples all in its largest class, where they seem to
 /// belong, and spread over the smallest classes.
-fn readings(counts: &Counts) -> [f64; 3] {
+fn readings(counts: &ClassCounts) -> [f64; 3] {
     let unsure: u64 = counts.unsure.iter().sum();
     let seeming: Vec<u64> = counts.sure.iter().zip(&counts.unsure).map(|(a, b)| a + b).collect();
     if unsure == 0 {
@@ -99,7 +99,7 @@ mod tests {
     fn a_box_has_the_entropy_of_its_shares() {
         let ln2 = std::f64::consts::LN_2;
         assert!((of_counts(&[3, 3]) - ln2).abs() < 1e-15 && of_counts(&[7, 0]) == 0.0);
-        let unsure = Counts { sure: vec![4, 0], unsure: vec![0, 2] };
+        let unsure = ClassCounts { sure: vec![4, 0], unsure: vec![0, 2] };
         let [least, seeming, most] = readings(&unsure);
         assert!(least == 0.0 && seeming == of_counts(&[4, 2]) && most == seeming);
     }

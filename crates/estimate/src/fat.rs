@@ -9,21 +9,21 @@
 use serde::{Deserialize, Serialize};
 
 use crate::entropy::Boxes;
-use crate::interval::mean_and_error;
-use crate::line::Line;
-use crate::{EstimateError, Interval, scatter};
+use crate::estimate::mean_and_error;
+use crate::line::FittedLine;
+use crate::{Estimate, EstimateError, scatter};
 
 /// What the shares of mixed boxes say.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FatFractal {
     /// The exponent β.
-    pub beta: Interval,
+    pub beta: Estimate,
     /// The share μ₀ that stays mixed however small the boxes.
-    pub rest: Interval,
+    pub rest: Estimate,
     /// True if some share surely stays mixed.
     pub is_fat: bool,
     /// Side of the boxes, and the share that is mixed.
-    pub shares: Vec<(f64, Interval)>,
+    pub shares: Vec<(f64, Estimate)>,
 }
 
 /// Number of resamplings of a bootstrap.
@@ -41,8 +41,8 @@ pub fn fat_fractal(sizes: &[Boxes], seed: u64) -> Result<FatFractal, EstimateErr
     }
     let readings: Vec<Vec<[f64; 3]>> =
         sizes.iter().map(|boxes| boxes.groups.iter().map(|group| mixed(group)).collect()).collect();
-    let shares = readings.iter().map(|groups| Interval::of_replicates(groups));
-    let shares: Vec<Interval> = shares.collect::<Result<_, _>>()?;
+    let shares = readings.iter().map(|groups| Estimate::of_replicates(groups));
+    let shares: Vec<Estimate> = shares.collect::<Result<_, _>>()?;
     if shares.iter().all(|share| share.value == 0.0) {
         return Err(EstimateError::OneClass);
     }
@@ -64,14 +64,14 @@ pub fn fat_fractal(sizes: &[Boxes], seed: u64) -> Result<FatFractal, EstimateErr
         let count = readings[k].len();
         (0..count).map(|_| rng.borrow_mut().usize(..count)).collect::<Vec<usize>>()
     };
-    let mut ends = [Interval::exact(value[0]), Interval::exact(value[1])];
+    let mut ends = [Estimate::exact(value[0]), Estimate::exact(value[1])];
     for reading in 0..3 {
         let fits: Vec<[f64; 2]> = (0..RESAMPLES).map(|_| fitted(&resampled, reading)).collect();
         for (part, end) in ends.iter_mut().enumerate() {
             let mut values: Vec<f64> = fits.iter().map(|fit| fit[part]).collect();
             values.sort_by(f64::total_cmp);
             let at = |share: f64| values[(share * RESAMPLES as f64) as usize];
-            *end = end.and(Interval { value: end.value, low: at(0.025), high: at(0.975) });
+            *end = end.and(Estimate { value: end.value, low: at(0.025), high: at(0.975) });
         }
     }
     let shares = sizes.iter().map(|boxes| boxes.side).zip(shares).collect();
@@ -79,7 +79,7 @@ pub fn fat_fractal(sizes: &[Boxes], seed: u64) -> Result<FatFractal, EstimateErr
 }
 
 /// Returns the share of boxes that are mixed: surely, as it seems, and possibly.
-fn mixed(group: &[crate::shares::Counts]) -> [f64; 3] {
+fn mixed(group: &[crate::shares::ClassCounts]) -> [f64; 3] {
     let classes = |counts: &[u64]| counts.iter().filter(|count| **count > 0).count();
     let mut sums = [0.0; 3];
     for counts in group {
@@ -97,7 +97,7 @@ fn mixed(group: &[crate::shares::Counts]) -> [f64; 3] {
 fn fit(points: &[[f64; 3]]) -> [f64; 2] {
     let with_beta = |beta: f64| {
         let bent: Vec<[f64; 3]> = points.iter().map(|p| [p[0].powf(beta), p[1], p[2]]).collect();
-        let line = Line::fit(&bent)?;
+        let line = FittedLine::fit(&bent)?;
         if line.offset >= 0.0 {
             return Some((line.misfit, [beta, line.offset]));
         }

@@ -1,7 +1,7 @@
 //! Estimators of areas, fractal boundaries and survival, each with an interval.
 //!
 //! Nothing here knows what is measured: answers come in as class numbers and times, numbers go out as
-//! [`Interval`]s with 95 % confidence. Answers that nobody is sure of widen the intervals instead of
+//! [`Estimate`]s with 95 % confidence. Answers that nobody is sure of widen the intervals instead of
 //! vanishing: each is counted once as it seems, once as the class that makes a number smallest and
 //! once as the one that makes it largest.
 //!
@@ -14,16 +14,16 @@
 //!
 //! ```
 //! use flipmap_estimate::scatter::scattered;
-//! use flipmap_estimate::shares::{Counts, share};
+//! use flipmap_estimate::shares::{ClassCounts, share};
 //!
 //! // The area of a quarter of a disc.
 //! let is_inside = |[x, y]: [u32; 2]| f64::from(x).hypot(f64::from(y)) < 2f64.powi(32);
 //! let count = |replicate| {
 //!     let points = (0..4096).map(|index| scattered(1, replicate, index));
 //!     let inside = points.filter(|point| is_inside(*point)).count() as u64;
-//!     Counts { sure: vec![inside, 4096 - inside], unsure: vec![0, 0] }
+//!     ClassCounts { sure: vec![inside, 4096 - inside], unsure: vec![0, 0] }
 //! };
-//! let replicates: Vec<Counts> = (0..16).map(count).collect();
+//! let replicates: Vec<ClassCounts> = (0..16).map(count).collect();
 //! let area = share(&replicates, 0)?;
 //! assert!(area.contains(std::f64::consts::FRAC_PI_4) && area.half_width() < 1e-3);
 //! # Ok::<(), flipmap_estimate::EstimateError>(())
@@ -32,8 +32,8 @@
 
 pub mod boxes;
 pub mod entropy;
+mod estimate;
 pub mod fat;
-mod interval;
 mod line;
 pub mod pairs;
 pub mod rates;
@@ -42,7 +42,7 @@ pub mod shares;
 pub mod survival;
 pub mod wada;
 
-pub use interval::Interval;
+pub use estimate::Estimate;
 
 /// Errors of an estimator.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -6,13 +6,13 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use crate::interval::NORMAL;
-use crate::line::Line;
-use crate::{EstimateError, Interval, scatter};
+use crate::estimate::NORMAL;
+use crate::line::FittedLine;
+use crate::{Estimate, EstimateError, scatter};
 
 /// Independent pairs of points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Pairs {
+pub struct PairCounts {
     /// Number of pairs whose classes surely differ.
     pub differing: u64,
     /// Number of pairs of which nobody is sure.
@@ -25,31 +25,31 @@ pub struct Pairs {
 
 /// The pairs at one distance, in groups that are independent of each other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Scale {
+pub struct PairScale {
     /// Distance of the points of each pair.
     pub epsilon: f64,
     /// The pairs.
-    pub groups: Vec<Pairs>,
+    pub groups: Vec<PairCounts>,
 }
 
 /// What the pairs at all distances say.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exponent {
     /// The exponent α over the window.
-    pub alpha: Interval,
+    pub alpha: Estimate,
     /// The dimension of the boundary, D = 2 − α.
-    pub dimension: Interval,
+    pub dimension: Estimate,
     /// Greatest and least ε of the window, the longest stretch whose points lie on a straight line.
     pub window: [f64; 2],
     /// α between each distance and the next smaller one.
-    pub local: Vec<Interval>,
+    pub local: Vec<Estimate>,
     /// Distance below which α holds 1 although it is smaller above: what is left of the boundary there
     /// is smooth.
     pub smooth_below: Option<f64>,
 }
 
 /// How unsure pairs are counted.
-type Reading = fn(&Pairs) -> u64;
+type Reading = fn(&PairCounts) -> u64;
 
 const READINGS: [Reading; 3] = [
     |pairs| pairs.differing + pairs.seeming,
@@ -66,15 +66,15 @@ const STRAIGHT: f64 = 1e-3;
 /// Number of resamplings of a bootstrap.
 const RESAMPLES: usize = 1000;
 
-impl Scale {
+impl PairScale {
     fn sum(&self, part: Reading) -> u64 {
         self.groups.iter().map(part).sum()
     }
 
     /// The share of pairs whose classes differ.
-    pub fn share(&self) -> Interval {
+    pub fn share(&self) -> Estimate {
         let [differing, unsure] = [self.sum(|p| p.differing), self.sum(|p| p.unsure)];
-        Interval::of_trials(differing, unsure, self.sum(|p| p.seeming), self.sum(|p| p.total))
+        Estimate::of_trials(differing, unsure, self.sum(|p| p.seeming), self.sum(|p| p.total))
     }
 
     /// Returns ln ε, ln f and the weight of ln f, for one way of counting; `picked` are the groups.
@@ -94,8 +94,8 @@ impl Scale {
 
 /// Estimates the exponent from pairs at several distances, the greatest first. Distances above
 /// `coarsest` take no part in the fit: they feel the shape of the whole region.
-pub fn exponent(scales: &[Scale], coarsest: f64, seed: u64) -> Result<Exponent, EstimateError> {
-    let local: Vec<Interval> = scales.windows(2).map(|two| slope(&two[0], &two[1])).collect();
+pub fn exponent(scales: &[PairScale], coarsest: f64, seed: u64) -> Result<Exponent, EstimateError> {
+    let local: Vec<Estimate> = scales.windows(2).map(|two| slope(&two[0], &two[1])).collect();
     let window = window(scales, coarsest)?;
     let alpha = bootstrapped(&scales[window.clone()], seed);
     let smooth_below = smooth_below(scales, &local, &alpha);
@@ -109,7 +109,7 @@ pub fn exponent(scales: &[Scale], coarsest: f64, seed: u64) -> Result<Exponent, 
 }
 
 /// Returns α between two distances.
-fn slope(coarse: &Scale, fine: &Scale) -> Interval {
+fn slope(coarse: &PairScale, fine: &PairScale) -> Estimate {
     let along = (coarse.epsilon / fine.epsilon).ln();
     let slopes = READINGS.map(|reading| {
         let [[_, above, _], [_, below, _]] = [coarse.whole(reading), fine.whole(reading)];
@@ -118,13 +118,13 @@ fn slope(coarse: &Scale, fine: &Scale) -> Interval {
     let error = [coarse, fine].map(|scale| 1.0 / scale.whole(READINGS[0])[2]);
     let by = NORMAL * (error[0] + error[1]).sqrt() / along;
     let [value, a, b] = slopes;
-    Interval { value, low: value.min(a).min(b) - by, high: value.max(a).max(b) + by }
+    Estimate { value, low: value.min(a).min(b) - by, high: value.max(a).max(b) + by }
 }
 
 /// Returns the longest stretch of distances on a straight line, the finest of equally long ones.
-fn window(scales: &[Scale], coarsest: f64) -> Result<std::ops::Range<usize>, EstimateError> {
-    let counts = |scale: &Scale| scale.sum(READINGS[0]);
-    let is_usable = |scale: &Scale| counts(scale) >= FEWEST && scale.epsilon <= coarsest;
+fn window(scales: &[PairScale], coarsest: f64) -> Result<std::ops::Range<usize>, EstimateError> {
+    let counts = |scale: &PairScale| scale.sum(READINGS[0]);
+    let is_usable = |scale: &PairScale| counts(scale) >= FEWEST && scale.epsilon <= coarsest;
     if scales.iter().all(|scale| counts(scale) == 0) {
         return Err(EstimateError::OneClass);
     }
@@ -134,9 +134,10 @@ fn window(scales: &[Scale], coarsest: f64) -> Result<std::ops::Range<usize>, Est
         let points: Vec<[f64; 3]> =
             scales[range.clone()].iter().map(|scale| scale.whole(READINGS[0])).collect();
         let freedom = (points.len() - 2) as f64;
-        let chance =
-            |line: Line| ChiSquared::new(freedom).map_or(0.0, |chi| 1.0 - chi.cdf(line.misfit));
-        Line::fit(&points).map_or(0.0, chance) >= STRAIGHT
+        let chance = |line: FittedLine| {
+            ChiSquared::new(freedom).map_or(0.0, |chi| 1.0 - chi.cdf(line.misfit))
+        };
+        FittedLine::fit(&points).map_or(0.0, chance) >= STRAIGHT
     };
     let ranges = (SHORTEST..=usable).rev().flat_map(|length| {
         (0..=usable - length).rev().map(move |from| first + from..first + from + length)
@@ -150,20 +151,20 @@ fn window(scales: &[Scale], coarsest: f64) -> Result<std::ops::Range<usize>, Est
 }
 
 /// Returns the slope of the scales with a bootstrapped interval.
-fn bootstrapped(scales: &[Scale], seed: u64) -> Interval {
+fn bootstrapped(scales: &[PairScale], seed: u64) -> Estimate {
     let groups = scales.iter().map(|scale| scale.groups.len()).min().unwrap_or(0);
     let mut rng = scatter::random(seed, 0x70a1);
     let mut fitted = |reading: Reading, is_resampled: bool| {
-        let point = |scale: &Scale| {
+        let point = |scale: &PairScale| {
             let pick = |k: usize| if is_resampled { rng.usize(..groups) } else { k };
             let picked: Vec<usize> = (0..groups).map(pick).collect();
             scale.point(reading, &picked)
         };
         let points: Vec<[f64; 3]> = scales.iter().map(point).collect();
-        Line::fit(&points).map_or(f64::NAN, |line| line.slope)
+        FittedLine::fit(&points).map_or(f64::NAN, |line| line.slope)
     };
     let value = fitted(READINGS[0], false);
-    let mut all = Interval::exact(value);
+    let mut all = Estimate::exact(value);
     for reading in READINGS {
         let middle = fitted(reading, false);
         let mut slopes: Vec<f64> = (0..RESAMPLES).map(|_| fitted(reading, true)).collect();
@@ -172,13 +173,13 @@ fn bootstrapped(scales: &[Scale], seed: u64) -> Interval {
         let wider = (groups as f64 / (groups as f64 - 1.0)).sqrt();
         let end =
             |share: f64| middle + wider * (slopes[(share * RESAMPLES as f64) as usize] - middle);
-        all = all.and(Interval { value, low: end(0.025), high: end(0.975) });
+        all = all.and(Estimate { value, low: end(0.025), high: end(0.975) });
     }
     all
 }
 
 /// Returns the distance from which on every local slope holds 1, if the boundary is rougher above.
-fn smooth_below(scales: &[Scale], local: &[Interval], alpha: &Interval) -> Option<f64> {
+fn smooth_below(scales: &[PairScale], local: &[Estimate], alpha: &Estimate) -> Option<f64> {
     let is_known = |k: &usize| scales[k + 1].sum(READINGS[0]) >= FEWEST;
     let smooth = |k: &usize| local[*k].contains(1.0) || local[*k].low > 1.0;
     let known: Vec<usize> = (0..local.len()).filter(is_known).collect();

@@ -2,29 +2,29 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::shares::{Counts, share};
-use crate::{EstimateError, Interval};
+use crate::shares::{ClassCounts, share};
+use crate::{Estimate, EstimateError};
 
 /// The rates of one replicate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Rates {
-    /// Rates of which one can be sure.
+pub struct ReplicateRates {
+    /// ReplicateRates of which one can be sure.
     pub sure: Vec<f64>,
-    /// Rates of which nobody is sure.
+    /// ReplicateRates of which nobody is sure.
     pub unsure: Vec<f64>,
 }
 
 /// The distribution of rates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Distribution {
+pub struct RateDistribution {
     /// Rate up to which a start counts as regular.
     pub bound: f64,
     /// The share of regular starts.
-    pub regular: Interval,
+    pub regular: Estimate,
     /// The mean rate of the others.
-    pub mean: Interval,
+    pub mean: Estimate,
     /// Shares, and the rates that they do not exceed.
-    pub quantiles: Vec<(f64, Interval)>,
+    pub quantiles: Vec<(f64, Estimate)>,
     /// Upper ends of intervals of rates, and the share of starts in each.
     pub histogram: Vec<(f64, f64)>,
 }
@@ -42,15 +42,12 @@ pub fn regular_bound(secs: f64, unit_secs: f64) -> f64 {
 }
 
 /// Estimates the distribution; rates up to `bound` count as regular.
-pub fn distribution(replicates: &[Rates], bound: f64) -> Result<Distribution, EstimateError> {
-    let counts = |rates: &Rates| {
-        let regular = |rates: &[f64]| rates.iter().filter(|rate| **rate <= bound).count() as u64;
-        let split = |all: &[f64]| vec![regular(all), all.len() as u64 - regular(all)];
-        Counts { sure: split(&rates.sure), unsure: split(&rates.unsure) }
-    };
-    let counts: Vec<Counts> = replicates.iter().map(counts).collect();
-    let regular = share(&counts, 0)?;
-    let all = |rates: &Rates| {
+pub fn distribution(
+    replicates: &[ReplicateRates],
+    bound: f64,
+) -> Result<RateDistribution, EstimateError> {
+    let regular = regular_share(replicates, bound)?;
+    let all = |rates: &ReplicateRates| {
         let mut all: Vec<f64> = rates.sure.iter().chain(&rates.unsure).copied().collect();
         all.sort_by(f64::total_cmp);
         all
@@ -58,16 +55,27 @@ pub fn distribution(replicates: &[Rates], bound: f64) -> Result<Distribution, Es
     let each: Vec<Vec<f64>> = replicates.iter().map(all).filter(|all| !all.is_empty()).collect();
     let over = |value: &dyn Fn(&[f64]) -> f64| {
         let readings: Vec<[f64; 3]> = each.iter().map(|all| [value(all); 3]).collect();
-        Interval::of_replicates(&readings)
+        Estimate::of_replicates(&readings)
     };
     let quantile = |p: f64| over(&|all| all[((p * all.len() as f64) as usize).min(all.len() - 1)]);
-    let quantiles: Vec<(f64, Interval)> =
+    let quantiles: Vec<(f64, Estimate)> =
         QUANTILES.iter().map(|p| Ok((*p, quantile(*p)?))).collect::<Result<_, _>>()?;
     let mean = over(&|all| {
         let chaotic: Vec<f64> = all.iter().copied().filter(|rate| *rate > bound).collect();
         chaotic.iter().sum::<f64>() / chaotic.len().max(1) as f64
     })?;
-    Ok(Distribution { bound, regular, mean, quantiles, histogram: histogram(&each.concat()) })
+    Ok(RateDistribution { bound, regular, mean, quantiles, histogram: histogram(&each.concat()) })
+}
+
+/// Returns the share of rates up to `bound`.
+pub fn regular_share(replicates: &[ReplicateRates], bound: f64) -> Result<Estimate, EstimateError> {
+    let counts = |rates: &ReplicateRates| {
+        let regular = |rates: &[f64]| rates.iter().filter(|rate| **rate <= bound).count() as u64;
+        let split = |all: &[f64]| vec![regular(all), all.len() as u64 - regular(all)];
+        ClassCounts { sure: split(&rates.sure), unsure: split(&rates.unsure) }
+    };
+    let counts: Vec<ClassCounts> = replicates.iter().map(counts).collect();
+    share(&counts, 0)
 }
 
 fn histogram(rates: &[f64]) -> Vec<(f64, f64)> {
@@ -90,14 +98,14 @@ mod tests {
     fn two_heaps_are_told_apart() {
         let one = |k| {
             let mut rng = random(4, k);
-            let mut rates = Rates::default();
+            let mut rates = ReplicateRates::default();
             for _ in 0..500 {
                 let rate = if rng.f64() < 0.3 { 0.1 * rng.f64() } else { 1.0 + 0.2 * rng.f64() };
                 rates.sure.push(rate);
             }
             rates
         };
-        let all: Vec<Rates> = (0..16).map(one).collect();
+        let all: Vec<ReplicateRates> = (0..16).map(one).collect();
         let found = distribution(&all, regular_bound(30.0, 0.3)).unwrap();
         assert!((found.bound - 0.307).abs() < 1e-3);
         assert!(found.regular.contains(0.3) && found.mean.contains(1.1), "{found:?}");

@@ -2,21 +2,21 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{EstimateError, Interval};
+use crate::{Estimate, EstimateError};
 
 /// The answers of one replicate, by class.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Counts {
+pub struct ClassCounts {
     /// Number of sure answers of each class.
     pub sure: Vec<u64>,
     /// Number of answers of each class that nobody is sure of.
     pub unsure: Vec<u64>,
 }
 
-impl Counts {
-    /// Counts without answers, for a number of classes.
+impl ClassCounts {
+    /// ClassCounts without answers, for a number of classes.
     pub fn new(classes: usize) -> Self {
-        Counts { sure: vec![0; classes], unsure: vec![0; classes] }
+        ClassCounts { sure: vec![0; classes], unsure: vec![0; classes] }
     }
 
     /// Adds an answer.
@@ -46,17 +46,17 @@ const MANY: u64 = 30;
 ///
 /// The interval is Student's, of the replicates. Where hardly any answers, or hardly any others, are
 /// of the class, that of independent trials is taken too; low-discrepancy points are at least as good.
-pub fn share(replicates: &[Counts], class: usize) -> Result<Interval, EstimateError> {
+pub fn share(replicates: &[ClassCounts], class: usize) -> Result<Estimate, EstimateError> {
     let readings: Vec<[f64; 3]> = replicates.iter().map(|counts| counts.readings(class)).collect();
-    let interval = Interval::of_replicates(&readings)?;
-    let sum = |part: &dyn Fn(&Counts) -> u64| replicates.iter().map(part).sum::<u64>();
-    let (count, total) = (sum(&|counts| counts.sure[class]), sum(&Counts::total));
+    let interval = Estimate::of_replicates(&readings)?;
+    let sum = |part: &dyn Fn(&ClassCounts) -> u64| replicates.iter().map(part).sum::<u64>();
+    let (count, total) = (sum(&|counts| counts.sure[class]), sum(&ClassCounts::total));
     let unsure = sum(&|counts| counts.unsure.iter().sum());
     let guessed = sum(&|counts| counts.unsure[class]);
     let is_many = count >= MANY && total.saturating_sub(count + unsure) >= MANY;
     let interval = match is_many {
         true => interval,
-        false => interval.and(Interval::of_trials(count, unsure, guessed, total)),
+        false => interval.and(Estimate::of_trials(count, unsure, guessed, total)),
     };
     Ok(interval.within(0.0, 1.0))
 }
@@ -67,10 +67,10 @@ mod tests {
     use crate::scatter::scattered;
     use std::f64::consts::FRAC_PI_4;
 
-    /// Counts points of the unit square in a quarter of a disc; every `step`-th point is unsure.
-    fn disc(seed: u64, points: u32, step: u32) -> Vec<Counts> {
+    /// ClassCounts points of the unit square in a quarter of a disc; every `step`-th point is unsure.
+    fn disc(seed: u64, points: u32, step: u32) -> Vec<ClassCounts> {
         let count = |replicate| {
-            let mut counts = Counts::new(2);
+            let mut counts = ClassCounts::new(2);
             for index in 0..points {
                 let [x, y] =
                     scattered(seed, replicate, index).map(|x| f64::from(x) / 2f64.powi(32));
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_class_that_was_not_met_may_still_be_there() {
-        let none = vec![Counts { sure: vec![100, 0], unsure: vec![0, 0] }; 16];
+        let none = vec![ClassCounts { sure: vec![100, 0], unsure: vec![0, 0] }; 16];
         let share = share(&none, 1).unwrap();
         // The rule of three: 3.69 in 1600 for one side of 95 %.
         assert!(share.value == 0.0 && (share.high - 0.0023).abs() < 1e-4, "{share:?}");

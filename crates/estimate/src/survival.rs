@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::interval::{NORMAL, mean_and_error, quantile_t};
-use crate::{EstimateError, Interval};
+use crate::estimate::{NORMAL, mean_and_error, quantile_t};
+use crate::{Estimate, EstimateError};
 
 /// The lives of one replicate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -25,7 +25,7 @@ pub struct SurvivalPoint {
     /// The time.
     pub time: f64,
     /// The share without an event until then.
-    pub share: Interval,
+    pub share: Estimate,
 }
 
 /// The law that a tail seems to follow.
@@ -49,9 +49,9 @@ pub struct Tail {
     /// Number of events since then.
     pub events: usize,
     /// Rate of the exponential law, per unit of time.
-    pub rate: Interval,
+    pub rate: Estimate,
     /// Exponent of the power law, S ∝ t^−exponent.
-    pub exponent: Interval,
+    pub exponent: Estimate,
     /// Vuong's statistic (1989, Econometrica 57, 307), positive where the exponential law fits better.
     pub vuong: f64,
     /// The law that fits better.
@@ -79,7 +79,7 @@ pub fn survival(replicates: &[Lives], times: &[f64]) -> Result<Vec<SurvivalPoint
     let point = |time: &f64| {
         let readings: Vec<[f64; 3]> =
             replicates.iter().map(|lives| lives.readings(*time)).collect();
-        let share = Interval::of_replicates(&readings)?.within(0.0, 1.0);
+        let share = Estimate::of_replicates(&readings)?.within(0.0, 1.0);
         Ok(SurvivalPoint { time: *time, share })
     };
     times.iter().map(point).collect()
@@ -123,7 +123,7 @@ pub fn tail(replicates: &[Lives], budget: f64) -> Result<Tail, EstimateError> {
             0..4 => f64::INFINITY,
             n => quantile_t(n - 1) * mean_and_error(&each).1,
         };
-        Interval { value, low: value - by, high: value + by }
+        Estimate { value, low: value - by, high: value + by }
     });
     let likelier = |t: &f64| {
         LAWS[0].log_density(*t, rate.value, since, budget)

@@ -78,6 +78,28 @@ impl Grid {
         Grid::spanned(scene, center, [pixel, zero], [zero, pixel], size)
     }
 
+    /// Returns a grid of `size` pixels around the middle of a pixel, in the same directions; `sides` are
+    /// the lengths of its pixels to the right and upwards, in the units of the plane's axes.
+    pub fn around(&self, [column, row]: [u32; 2], sides: [f64; 2], size: [u32; 2]) -> Self {
+        let exact_center = self.position(column, row);
+        let scaled = |axis: [Dd; 2], side: f64| {
+            let by = Dd::new(side) / (axis[0] * axis[0] + axis[1] * axis[1]).sqrt();
+            axis.map(|part| part * by)
+        };
+        let (right, up) = (scaled(self.right, sides[0]), scaled(self.up, sides[1]));
+        let has_cells = self.has_cells;
+        let leaf_plane = if has_cells { &self.exact_plane } else { &ExactPlane::AT_REST };
+        Grid {
+            size,
+            center: exact_center.map(Exact::to_dd),
+            exact_center,
+            spots: LeafGrid::new(leaf_plane, exact_center, [right, up]),
+            right,
+            up,
+            ..self.clone()
+        }
+    }
+
     /// Returns the change of both coordinates per pixel to the right and per pixel upwards, for a
     /// picture of `width` pixels.
     pub(super) fn steps(scene: &Scene, width: u32) -> [[f64; 2]; 2] {
@@ -208,11 +230,15 @@ impl Grid {
     /// Returns the exact start of a pixel, with angles in (−π, π] rad and speeds in rad/s, or
     /// `None` where a section has no real solution.
     pub fn exact_start(&self, column: u32, row: u32) -> Option<State<Exact>> {
+        self.exact_plane.start_at(self.position(column, row))
+    }
+
+    /// Returns the exact coordinates of a pixel's middle, in the units of the plane's axes.
+    fn position(&self, column: u32, row: u32) -> [Exact; 2] {
         let [x, y] = self.pixels_from_center(column, row).map(Exact::from_f64);
         let along = |by: [Dd; 2]| by.map(Exact::from_dd);
         let (right, up) = (along(self.right), along(self.up));
-        let position = [0, 1].map(|i| self.exact_center[i] + (x * right[i] + y * up[i]));
-        self.exact_plane.start_at(position)
+        [0, 1].map(|i| self.exact_center[i] + (x * right[i] + y * up[i]))
     }
 
     /// Returns the offset of a pixel's middle from the centre, to the right and upwards, in pixels.

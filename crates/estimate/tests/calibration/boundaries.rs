@@ -2,11 +2,11 @@
 
 use flipmap_estimate::EstimateError;
 use flipmap_estimate::boxes::dimension;
-use flipmap_estimate::pairs::{self, Exponent, Scale};
+use flipmap_estimate::pairs::{self, Exponent, PairScale};
 
 use super::systems::*;
 
-fn exponent(scales: &[Scale], seed: u64) -> Result<Exponent, EstimateError> {
+fn exponent(scales: &[PairScale], seed: u64) -> Result<Exponent, EstimateError> {
     pairs::exponent(scales, 0.05, seed)
 }
 

@@ -3,7 +3,7 @@
 use flipmap_estimate::entropy::{Boxes, entropy};
 use flipmap_estimate::pairs::exponent;
 use flipmap_estimate::scatter::{random, scattered};
-use flipmap_estimate::shares::{Counts, share};
+use flipmap_estimate::shares::{ClassCounts, share};
 
 use super::systems::*;
 
@@ -17,14 +17,14 @@ fn areas_hold() {
     let area = std::f64::consts::PI * 0.16;
     check("a disc's area", |seed| {
         let count = |replicate| {
-            let mut counts = Counts::new(2);
+            let mut counts = ClassCounts::new(2);
             for index in 0..256 {
                 let at = scattered(seed, replicate, index).map(|x| f64::from(x) / 2f64.powi(32));
                 counts.add(disc(at).into(), true);
             }
             counts
         };
-        let replicates: Vec<Counts> = (0..16).map(count).collect();
+        let replicates: Vec<ClassCounts> = (0..16).map(count).collect();
         share(&replicates, 1).unwrap().contains(area)
     });
 }
@@ -54,7 +54,7 @@ fn entropies_hold() {
             let mut rng = random(seed, k);
             let mut one = || {
                 let heads = (0..25).filter(|_| rng.bool()).count() as u64;
-                Counts { sure: vec![heads, 25 - heads], unsure: vec![0, 0] }
+                ClassCounts { sure: vec![heads, 25 - heads], unsure: vec![0, 0] }
             };
             (0..40).map(|_| one()).collect()
         };

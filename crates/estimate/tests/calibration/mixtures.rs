@@ -3,7 +3,7 @@
 use flipmap_estimate::entropy::{Boxes, entropy};
 use flipmap_estimate::fat::fat_fractal;
 use flipmap_estimate::scatter::{random, scattered};
-use flipmap_estimate::shares::Counts;
+use flipmap_estimate::shares::ClassCounts;
 use flipmap_estimate::wada::wada;
 
 use super::systems::*;
@@ -13,7 +13,7 @@ use super::systems::*;
 fn tiles(system: System, side: usize, size: usize) -> Boxes {
     let class = |x: usize, y: usize| system([x, y].map(|k| k as f64 / (side - 1) as f64));
     let tile = |column: usize, row: usize| {
-        let mut counts = Counts::new(4);
+        let mut counts = ClassCounts::new(4);
         for (x, y) in (0..size * size).map(|k| (k % size, k / size)) {
             counts.add(class(column * size + x, row * size + y).into(), true);
         }
@@ -30,7 +30,7 @@ fn boxes(system: System, side: f64, per_group: u32, seed: u64) -> Boxes {
         let mut rng = random(seed, u64::from(replicate));
         let one = |index| {
             let corner = scattered(seed, replicate, index).map(|x| f64::from(x) / 2f64.powi(32));
-            let mut counts = Counts::new(4);
+            let mut counts = ClassCounts::new(4);
             for _ in 0..25 {
                 let at = corner.map(|x| x * (1.0 - side) + side * rng.f64());
                 counts.add(system(at).into(), true);

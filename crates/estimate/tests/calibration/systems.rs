@@ -1,7 +1,7 @@
 //! Systems with known boundaries.
 
 use flipmap_estimate::boxes::Raster;
-use flipmap_estimate::pairs::{Pairs, Scale};
+use flipmap_estimate::pairs::{PairCounts, PairScale};
 use flipmap_estimate::scatter::{random, scattered};
 
 /// A system: the class of a point of the unit square.
@@ -110,13 +110,13 @@ fn depth_of_gap(mut x: f64, parts: f64) -> u8 {
     0
 }
 
-/// Pairs along x at decades of distance, in 16 groups.
-pub(crate) fn scales(system: System, decades: &[f64], per_group: u32, seed: u64) -> Vec<Scale> {
+/// PairCounts along x at decades of distance, in 16 groups.
+pub(crate) fn scales(system: System, decades: &[f64], per_group: u32, seed: u64) -> Vec<PairScale> {
     let scale = |(k, exponent): (usize, &f64)| {
         let epsilon = 10f64.powf(-exponent);
         let group = |replicate| {
             let mut rng = random(seed, u64::from(replicate) << 8 | k as u64);
-            let mut pairs = Pairs::default();
+            let mut pairs = PairCounts::default();
             for index in 0..per_group {
                 let place = scattered(seed + 1000 * k as u64, replicate, index);
                 let at = place.map(|x| (f64::from(x) + rng.f64()) / 2f64.powi(32));
@@ -126,7 +126,7 @@ pub(crate) fn scales(system: System, decades: &[f64], per_group: u32, seed: u64)
             }
             pairs
         };
-        Scale { epsilon, groups: (0..16).map(group).collect() }
+        PairScale { epsilon, groups: (0..16).map(group).collect() }
     };
     decades.iter().enumerate().map(scale).collect()
 }

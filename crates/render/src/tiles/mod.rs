@@ -11,6 +11,7 @@
 //!   fine as the closest frame that shows it needs, in the order given.
 //! - [`explorer::Explorer`] computes what a window shows: cells of a lattice that does not move
 //!   with the view, first a few samples of each, last the finer samples at edges.
+//! - [`Points`] (`points.rs`) are pixels of any grids, answered in their order.
 //! - [`descent`] and [`Renderer`] build on [`Work`]; [`outlook()`] and [`opinion()`] check answers.
 //!
 //! Nothing here depends on a graphics card: the tests run on the mock engine.
@@ -31,6 +32,7 @@ mod outlook;
 pub(crate) mod patch_work;
 pub(crate) mod patches;
 mod plan;
+mod points;
 pub mod preview;
 pub mod reader;
 mod refinement;
@@ -46,6 +48,7 @@ pub use feasible::{check_feasible, check_steps, follows_cells};
 pub use opinion::opinion;
 pub use outlook::outlook;
 pub use plan::plan;
+pub use points::Points;
 pub use renderer::Renderer;
 pub(crate) use samples::number_of;
 pub use samples::{Counts, Samples};

@@ -6,6 +6,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::plan::Tile;
+use super::points::Points;
 use super::samples::{RowMut, Samples};
 use super::saved_pixels::SavedPixel;
 use super::stride::Stride;
@@ -57,6 +58,15 @@ impl OpenTile {
         let groups = grid.grouped(config.leaf_pixels(), open);
         tile.fill_deep(plane, groups, |place| known_deep((grid, pixels[place as usize], None)));
         tile
+    }
+
+    /// Creates a tile of some of the points.
+    pub(super) fn of_points(points: &Points, some: Range<usize>) -> Self {
+        let pixel = |place: u32| {
+            let (grid, pixel) = points.pixels[some.start + place as usize];
+            (&points.grids[grid as usize], pixel, None)
+        };
+        OpenTile::sorted(some.len() as u32, None, pixel)
     }
 
     /// Creates a tile of an upright grid of which nothing is known beforehand, on all cores; `None`

@@ -7,7 +7,7 @@ use crate::EstimateError;
 
 /// A measured number and the interval that holds the true one with a probability of 95 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Interval {
+pub struct Estimate {
     /// The estimate.
     pub value: f64,
     /// Lower end of the interval.
@@ -25,10 +25,10 @@ pub(crate) const NORMAL: f64 = 1.959_963_984_540_054;
 /// Smallest number of replicates from which a spread is taken.
 pub(crate) const LEAST_REPLICATES: usize = 4;
 
-impl Interval {
+impl Estimate {
     /// A number that is known exactly.
     pub fn exact(value: f64) -> Self {
-        Interval { value, low: value, high: value }
+        Estimate { value, low: value, high: value }
     }
 
     /// Returns the mean of independent replicates with Student's interval. Each replicate counts
@@ -44,7 +44,7 @@ impl Interval {
             let (mean, error) = mean_and_error(&values);
             [mean, t * error]
         });
-        Ok(Interval { value: value[0], low: low[0] - low[1], high: high[0] + high[1] })
+        Ok(Estimate { value: value[0], low: low[0] - low[1], high: high[0] + high[1] })
     }
 
     /// Returns the ratio of two sums over independent replicates with Student's interval of its
@@ -61,7 +61,7 @@ impl Interval {
         };
         let values: Vec<[f64; 3]> =
             readings.iter().map(|reading| [0, 1, 2].map(|k| around(k, reading))).collect();
-        Interval::of_replicates(&values)
+        Estimate::of_replicates(&values)
     }
 
     /// Returns the share of `count` in `total` independent trials, `unsure` of which may belong to
@@ -79,7 +79,7 @@ impl Interval {
             true => 1.0,
             false => beta(most as f64 + 1.0, total_f - most as f64, 1.0 - TAIL),
         };
-        Interval { value: share(count + guessed), low, high }
+        Estimate { value: share(count + guessed), low, high }
     }
 
     /// Half the width of the interval.
@@ -93,7 +93,7 @@ impl Interval {
     }
 
     /// Returns true if two intervals have a value in common.
-    pub fn overlaps(&self, other: &Interval) -> bool {
+    pub fn overlaps(&self, other: &Estimate) -> bool {
         self.low <= other.high && other.low <= self.high
     }
 
@@ -101,20 +101,20 @@ impl Interval {
     #[must_use]
     pub fn mapped(self, factor: f64, offset: f64) -> Self {
         let [value, a, b] = [self.value, self.low, self.high].map(|x| factor * x + offset);
-        Interval { value, low: a.min(b), high: a.max(b) }
+        Estimate { value, low: a.min(b), high: a.max(b) }
     }
 
     /// The interval without values that are impossible.
     #[must_use]
     pub fn within(self, least: f64, most: f64) -> Self {
         let [value, low, high] = [self.value, self.low, self.high].map(|x| x.clamp(least, most));
-        Interval { value, low, high }
+        Estimate { value, low, high }
     }
 
     /// The interval that also holds every value of another.
     #[must_use]
-    pub fn and(self, other: Interval) -> Self {
-        Interval {
+    pub fn and(self, other: Estimate) -> Self {
+        Estimate {
             value: self.value,
             low: self.low.min(other.low),
             high: self.high.max(other.high),
@@ -142,22 +142,22 @@ mod tests {
     #[test]
     fn trials_have_the_interval_of_the_tables() {
         // Clopper and Pearson: 5 of 20, and the rule of three for none of 100.
-        let some = Interval::of_trials(5, 0, 0, 20);
+        let some = Estimate::of_trials(5, 0, 0, 20);
         assert!((some.low - 0.0866).abs() < 1e-4 && (some.high - 0.4910).abs() < 1e-4, "{some:?}");
-        let none = Interval::of_trials(0, 0, 0, 100);
+        let none = Estimate::of_trials(0, 0, 0, 100);
         assert!(none.low == 0.0 && (none.high - 0.0362).abs() < 1e-4);
-        let unsure = Interval::of_trials(0, 2, 1, 100);
-        assert!(unsure.value == 0.01 && unsure.high > Interval::of_trials(1, 0, 0, 100).high);
+        let unsure = Estimate::of_trials(0, 2, 1, 100);
+        assert!(unsure.value == 0.01 && unsure.high > Estimate::of_trials(1, 0, 0, 100).high);
     }
 
     #[test]
     fn replicates_have_students_interval_and_three_are_too_few() {
         let readings = [[1.0; 3], [2.0; 3], [3.0; 3], [4.0; 3]];
-        let interval = Interval::of_replicates(&readings).unwrap();
+        let interval = Estimate::of_replicates(&readings).unwrap();
         // 3.1824 times the root of 5/3 over 4.
         assert!((interval.half_width() - 2.0543).abs() < 1e-3, "{interval:?}");
         let need = LEAST_REPLICATES;
         let error = EstimateError::TooFew { what: "replicates", have: 3, need };
-        assert_eq!(Interval::of_replicates(&readings[..3]), Err(error));
+        assert_eq!(Estimate::of_replicates(&readings[..3]), Err(error));
     }
 }

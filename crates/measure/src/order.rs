@@ -1,0 +1,173 @@
+//! What is to be measured.
+
+use std::ops::RangeInclusive;
+
+use flipmap_engine::EngineError;
+use flipmap_estimate::EstimateError;
+use flipmap_scene::question::QuestionName;
+use flipmap_scene::{Scene, SceneError};
+use serde::{Deserialize, Serialize};
+
+use crate::basins::has_basins;
+use crate::sampling::Stage;
+
+/// Something that can be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Statistic {
+    /// The shares of the classes, and of flips by time.
+    Areas,
+    /// The share that has not flipped yet, against time, and the law of its tail.
+    Survival,
+    /// The uncertainty exponent of the edges.
+    Edges,
+    /// The box-counting dimension of the edges.
+    Boxes,
+    /// The basin entropy.
+    Entropy,
+    /// Whether three basins share one boundary.
+    Wada,
+    /// The distribution of exponents of growth.
+    Growth,
+    /// The exponent of a fat fractal.
+    Fat,
+}
+
+impl Statistic {
+    /// Every statistic with its name and what it is, in order.
+    pub const ALL: [(Statistic, &'static str, &'static str); 8] = [
+        (Statistic::Areas, "areas", "Share of each class, and of flips by time"),
+        (Statistic::Survival, "survival", "Share not yet flipped against time"),
+        (Statistic::Edges, "edges", "Uncertainty exponent and dimension of the edges"),
+        (Statistic::Boxes, "boxes", "Box-counting dimension of the edges"),
+        (Statistic::Entropy, "entropy", "Basin entropy and boundary basin entropy"),
+        (Statistic::Wada, "wada", "Whether three basins share one boundary"),
+        (Statistic::Growth, "growth", "Finite-time exponents and the share of regular starts"),
+        (Statistic::Fat, "fat", "Share of finely mixed boxes against their size"),
+    ];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        Statistic::ALL.iter().find(|(one, ..)| *one == self).map_or("", |(_, name, _)| name)
+    }
+
+    /// Returns the statistic with a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Statistic::ALL.iter().find(|(_, known, _)| *known == name).map(|(one, ..)| *one)
+    }
+
+    /// Returns true if answers are sorted into classes for it.
+    pub(crate) fn needs_basins(self) -> bool {
+        match self {
+            Statistic::Areas
+            | Statistic::Survival
+            | Statistic::Edges
+            | Statistic::Boxes
+            | Statistic::Entropy
+            | Statistic::Wada
+            | Statistic::Fat => true,
+            Statistic::Growth => false,
+        }
+    }
+
+    /// Returns true if a stage of sampling serves it.
+    pub(crate) fn needs(self, stage: Stage) -> bool {
+        match self {
+            Statistic::Areas | Statistic::Survival => matches!(stage, Stage::Starts(_)),
+            Statistic::Edges => matches!(stage, Stage::PairsApart(_)),
+            Statistic::Boxes | Statistic::Wada => stage == Stage::Picture,
+            Statistic::Entropy | Statistic::Fat => matches!(stage, Stage::BoxesOf(_)),
+            Statistic::Growth => matches!(stage, Stage::Exponents(_) | Stage::SectionAt(_)),
+        }
+    }
+}
+
+/// What is to be measured, of which scene, from how many samples.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurveyOrder {
+    /// The scene, checked.
+    pub scene: Scene,
+    /// What is to be measured.
+    pub of: Vec<Statistic>,
+    /// Number of starts for areas; the other statistics take their share of it.
+    pub samples: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// If given, a pair of starts also differs if its flips are farther apart than this, s.
+    pub apart_secs: Option<f64>,
+}
+
+/// Errors of a survey.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureError {
+    /// An engine failed.
+    #[error(transparent)]
+    Engine(#[from] EngineError),
+    /// A setting cannot be used.
+    #[error("{0}")]
+    Setting(#[from] SceneError),
+    /// Nothing that was ordered could be estimated.
+    #[error("{what}: {why}")]
+    Estimate {
+        /// Name of the statistic.
+        what: &'static str,
+        /// The reason.
+        why: EstimateError,
+    },
+    /// The survey was stopped.
+    #[error("stopped")]
+    Stopped,
+    /// A file could not be read or written.
+    #[error("cannot write {path}: {why}")]
+    Write {
+        /// Path of the file.
+        path: String,
+        /// The reason.
+        why: std::io::Error,
+    },
+    /// A plot or a page could not be drawn.
+    #[error("cannot draw the page: {0}")]
+    Page(String),
+}
+
+impl SurveyOrder {
+    /// Range of the number of samples.
+    pub const SAMPLES: RangeInclusive<u32> = 1600..=1_048_576;
+    /// Range of the time that sets two flips apart, s.
+    pub const APART_SECS: RangeInclusive<f64> = 1e-3..=1e6;
+    /// Smallest width of a view that is measured, in the units of its plane: closer pairs than those of
+    /// such a view are beyond double-double.
+    pub const LEAST_WIDTH: f64 = 1e-12;
+
+    /// The order of everything that can be measured of a checked scene.
+    pub fn of(scene: Scene) -> Self {
+        let is_possible = |statistic: &Statistic| match statistic {
+            Statistic::Wada => scene.question.ask == QuestionName::First,
+            other => !other.needs_basins() || has_basins(scene.question.ask),
+        };
+        let of = Statistic::ALL.iter().map(|(one, ..)| *one).filter(is_possible).collect();
+        SurveyOrder { scene, of, samples: 200_000, seed: 1, apart_secs: None }
+    }
+
+    /// Refuses what cannot be measured.
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        let ask = self.scene.question.ask;
+        if let Some(one) = self.of.iter().find(|one| one.needs_basins() && !has_basins(ask)) {
+            let why = format!(
+                "{} needs a question with classes: flip or first; of others only growth can be measured",
+                one.name()
+            );
+            return Err(SceneError::new("ask", ask.to_string(), why));
+        }
+        if self.of.contains(&Statistic::Wada) && ask != QuestionName::First {
+            let why = "wada needs three classes, which only the question first has";
+            return Err(SceneError::new("ask", ask.to_string(), why));
+        }
+        let width = self.scene.view.width_rad().hi;
+        if width < Self::LEAST_WIDTH {
+            let why = format!("it must be at least {:e} to be measured", Self::LEAST_WIDTH);
+            return Err(SceneError::new("width", self.scene.view.width.clone(), why));
+        }
+        Ok(())
+    }
+}
