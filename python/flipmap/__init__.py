@@ -9,6 +9,8 @@ its second bob first goes over the top, where it is after some seconds, how chao
 (48, 64)
 """
 
+import json
+
 import numpy as np
 
 from . import _arguments, _flipmap, _memory
@@ -17,8 +19,8 @@ from ._map import Map, Pass, Status, Trace, Trust
 from ._tiles import Tile, tiles
 
 __all__ = [
-    "Film", "Map", "Pass", "SCENES", "Status", "Tile", "Trace", "Trust", "film", "render", "tiles",
-    "trace",
+    "Film", "Map", "Pass", "SCENES", "Status", "Tile", "Trace", "Trust", "film", "measure", "render",
+    "tiles", "trace",
 ]
 __version__ = _flipmap.VERSION
 
@@ -80,3 +82,35 @@ def trace(start, until=30.0, every=0.01, scene=None, **words):
     rows = np.frombuffer(made["rows"], fields).copy().view(Trace)
     rows.passes = [Pass(*found) for found in made["passes"]]
     return rows
+
+
+def measure(
+    scene=None,
+    of=(),
+    samples=200_000,
+    *,
+    seed=1,
+    apart=None,
+    folder=None,
+    engine=None,
+    adapter=None,
+    threads=None,
+    progress=None,
+    **words,
+):
+    """Measure a scene: areas, survival, the dimension of its edges, with 95 % intervals.
+
+    `of` is a name or several: areas, survival, edges, boxes, entropy, wada, growth, fat; by default all
+    that the question allows. `samples` starts are integrated and checked, the same ones for a `seed`.
+    Pairs whose flips are more than `apart` seconds from each other also count as different. With a
+    `folder`, samples are kept there, for the next call, and the results as files. The rest is as for
+    `render`. Returns a dictionary; a number with an interval is a dictionary of `value`, `low`
+    and `high`.
+    """
+    run = _arguments.run({
+        "accuracy": None, "method": None, "step": None, "tolerance": None, "precision": None,
+        "verify": True, "engine": engine, "adapter": adapter, "threads": threads,
+    })
+    order = _arguments.survey(of, samples, seed, apart, folder)
+    scene, words = _arguments.scene(scene), _arguments.words(words)
+    return json.loads(_flipmap.measure(scene, words, order, run, _arguments.progress(progress)))

@@ -94,6 +94,20 @@ _TEXTS = {
 }
 
 
+def survey(of, samples, seed, apart, folder):
+    """Return what is to be measured."""
+    of = [of] if isinstance(of, str) else list(of)
+    if not all(isinstance(one, str) for one in of):
+        raise TypeError(_refusal("of", of, "it must be names, as in ['areas', 'edges']"))
+    return {
+        "of": of,
+        "samples": whole("samples", samples, 1, 2**32 - 1),
+        "seed": whole("seed", seed, 0, 2**64 - 1),
+        "apart": None if apart is None else float(apart),
+        "folder": None if folder is None else os.fspath(folder),
+    }
+
+
 def progress(given):
     """Return a function that takes two numbers, or None."""
     if given is None or callable(given):

@@ -5,6 +5,7 @@ mod clock;
 mod film;
 mod fork;
 mod map;
+mod measure;
 mod place;
 mod scene;
 mod trace;
@@ -21,6 +22,8 @@ mod _flipmap {
     use crate::film::film;
     #[pymodule_export]
     use crate::map::render;
+    #[pymodule_export]
+    use crate::measure::measure;
     #[pymodule_export]
     use crate::place::{coordinates, frame, part, whole};
     #[pymodule_export]

@@ -6,6 +6,7 @@ mod adapter;
 mod compare;
 mod encoders;
 mod lab;
+mod measure;
 mod mistakes;
 mod pictures;
 #[path = "../common/program.rs"]

@@ -174,16 +174,9 @@ impl Double {
 
     /// Returns the chart of one quantity against another over the last seconds, dashed for the twin.
     fn chart(&self, tint: &Tint) -> Chart {
-        let points = |simulation: &DoublePendulumSimulation| -> Vec<[f64; 2]> {
-            let now = [(simulation.secs(), simulation.now())];
-            let states = simulation.path.iter().chain(&now);
-            let value = |quantity: Quantity, (secs, state): &(f64, State<f64>)| {
-                quantity.value(&simulation.build, *secs, state)
-            };
-            states.map(|moment| self.axes.map(|quantity| value(quantity, moment))).collect()
-        };
-        let own = points(&self.simulation);
-        let other = self.twin.as_ref().map_or(Vec::new(), |twin| points(&twin.simulation));
+        let (first, twin) = (&self.simulation, self.twin.as_ref().map(|twin| &twin.simulation));
+        let own = self.points(first, twin);
+        let other = twin.map_or(Vec::new(), |twin| self.points(twin, Some(first)));
         let axis = |i: usize| {
             let values = own.iter().chain(&other).map(|point| point[i]);
             ChartAxis::around(&self.axes[i].name(), values, self.axes[i].is_angle())
@@ -195,6 +188,24 @@ impl Double {
             whole(own).into_iter().map(|piece| Curve::line("", tint.parts[1], piece)).collect();
         curves.extend(whole(other).into_iter().map(|piece| Curve::guide("", tint.faint, piece)));
         Chart { across, up, curves, marks }
+    }
+
+    /// Returns the chart's points of a pendulum, whose twin moves in the same steps.
+    fn points(
+        &self,
+        simulation: &DoublePendulumSimulation,
+        twin: Option<&DoublePendulumSimulation>,
+    ) -> Vec<[f64; 2]> {
+        let moments = |of: &DoublePendulumSimulation| {
+            let now = (of.secs(), of.now());
+            of.path.iter().copied().chain([now]).collect::<Vec<_>>()
+        };
+        let beside = twin.map(moments).unwrap_or_default();
+        let point = |(k, (secs, state)): (usize, &(f64, State<f64>))| {
+            let other = twin.zip(beside.get(k)).map(|(twin, (_, state))| (&twin.build, state));
+            self.axes.map(|quantity| quantity.value((&simulation.build, state), *secs, other))
+        };
+        moments(simulation).iter().enumerate().map(point).collect()
     }
 
     /// Shows the menus of the chart's quantities.

@@ -1,6 +1,6 @@
 //! The quantities of a double pendulum that a chart can show against one another.
 
-use super::drawing::wrapped;
+use super::drawing::{ends, wrapped};
 use flipmap_pendulum::State;
 use flipmap_scene::{Kind, PendulumSpec};
 
@@ -17,11 +17,16 @@ pub(crate) enum Quantity {
     CrossTerm,
     Potential,
     Tension(usize),
+    /// Distance between the second bobs of two twins.
+    Apart,
 }
+
+/// A pendulum and its state.
+pub(crate) type PendulumAt<'a> = (&'a PendulumSpec, &'a State<f64>);
 
 impl Quantity {
     /// All quantities, in the order of menus.
-    pub(crate) const ALL: [Quantity; 14] = [
+    pub(crate) const ALL: [Quantity; 15] = [
         Quantity::Time,
         Quantity::Angle(0),
         Quantity::Angle(1),
@@ -36,6 +41,7 @@ impl Quantity {
         Quantity::Potential,
         Quantity::Tension(0),
         Quantity::Tension(1),
+        Quantity::Apart,
     ];
 
     /// Returns the name with its unit, as axes show it.
@@ -50,14 +56,21 @@ impl Quantity {
             Quantity::CrossTerm => ("cross term", None, "J"),
             Quantity::Potential => ("potential energy", None, "J"),
             Quantity::Tension(bob) => ("tension of rod ", Some(bob), "N"),
+            Quantity::Apart => ("distance of the twins", None, "m"),
         };
         let index = bob.map_or("", |bob| ["1", "2"][bob]);
         format!("{name}{index}, {unit}")
     }
 
     /// Returns the value `secs` after the release, in the unit of the name; energies are 0 where the
-    /// pendulum hangs at rest, and angles are from −π to π.
-    pub(crate) fn value(self, build: &PendulumSpec, secs: f64, state: &State<f64>) -> f64 {
+    /// pendulum hangs at rest, and angles are from −π to π. `other` is the twin at the same moment; a
+    /// pendulum without one is 0 m away from it.
+    pub(crate) fn value(
+        self,
+        (build, state): PendulumAt,
+        secs: f64,
+        other: Option<PendulumAt>,
+    ) -> f64 {
         let State { angle, speed } = *state;
         let pendulum = build.pendulum();
         match self {
@@ -73,6 +86,11 @@ impl Quantity {
             Quantity::CrossTerm => pendulum.equation(state).mass[0][1] * speed[0] * speed[1],
             Quantity::Potential => energy(build, state)[1],
             Quantity::Tension(bob) => tensions(build, state)[bob],
+            Quantity::Apart => {
+                let bob = |(build, state): PendulumAt| ends(build.lengths_m(), state.angle)[1];
+                let ([x, y], [u, v]) = (bob((build, state)), bob(other.unwrap_or((build, state))));
+                (x - u).hypot(y - v)
+            }
         }
     }
 
@@ -123,9 +141,9 @@ fn tensions(build: &PendulumSpec, state: &State<f64>) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drawing::ends;
     use flipmap_numbers::trig::Turning;
     use flipmap_pendulum::integrator::rk4;
+    use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
     fn builds() -> [PendulumSpec; 2] {
         [Kind::Points, Kind::Rods].map(|kind| PendulumSpec::new(kind, [1.5, 0.7], [0.8, 1.3], 9.81))
@@ -134,7 +152,8 @@ mod tests {
     #[test]
     fn a_pendulum_at_rest_pulls_with_its_weight_and_has_no_energy() {
         for build in builds() {
-            let value = |quantity: Quantity| quantity.value(&build, 0.0, &State::rest([0.0; 2]));
+            let value =
+                |quantity: Quantity| quantity.value((&build, &State::rest([0.0; 2])), 0.0, None);
             assert!((value(Quantity::Tension(0)) - 2.2 * 9.81).abs() < 1e-12);
             assert!((value(Quantity::Tension(1)) - 0.7 * 9.81).abs() < 1e-12);
             assert!(value(Quantity::Kinetic).abs() + value(Quantity::Potential).abs() < 1e-12);
@@ -169,10 +188,19 @@ mod tests {
             };
             let known = [along(0, [0, 1].map(|i| first[i] + second[i])), along(1, second)];
             for (bob, known) in known.into_iter().enumerate() {
-                let value = Quantity::Tension(bob).value(&build, 0.0, &state);
+                let value = Quantity::Tension(bob).value((&build, &state), 0.0, None);
                 assert!((value - known).abs() < 1e-5 * known.abs(), "{value} for {known}");
             }
         }
+    }
+
+    #[test]
+    fn twins_are_as_far_apart_as_their_second_bobs() {
+        let [build, _] = builds();
+        let (down, level) = (State::rest([0.0; 2]), State::rest([0.0, FRAC_PI_2]));
+        let apart = |other| Quantity::Apart.value((&build, &down), 0.0, other);
+        assert!((apart(Some((&build, &level))) - 1.3 * SQRT_2).abs() < 1e-12);
+        assert_eq!(apart(None), 0.0);
     }
 
     #[test]
@@ -183,10 +211,10 @@ mod tests {
                 let kinetic = |by: f64| {
                     let mut state = state;
                     state.speed[bob] += by;
-                    Quantity::Kinetic.value(&build, 0.0, &state)
+                    Quantity::Kinetic.value((&build, &state), 0.0, None)
                 };
                 let slope = (kinetic(1e-5) - kinetic(-1e-5)) / 2e-5;
-                let momentum = Quantity::Momentum(bob).value(&build, 0.0, &state);
+                let momentum = Quantity::Momentum(bob).value((&build, &state), 0.0, None);
                 assert!((momentum - slope).abs() < 1e-6, "{momentum} for {slope}");
             }
         }

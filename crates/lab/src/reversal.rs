@@ -188,6 +188,10 @@ fn narrow(state: &State<Dd>) -> State<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flipmap_engine::EngineKind;
+    use flipmap_engine::choice::EngineRequest;
+    use flipmap_render::tiles::Renderer;
+    use flipmap_scene::Document;
 
     fn reversal(out_secs: f64) -> Reversal {
         Reversal::new(&PendulumSpec::default(), State::rest([2.2, 2.5]), out_secs)
@@ -230,6 +234,28 @@ mod tests {
         let error = reversal.by_rk4.readings[240].separation_rad;
         let horizon = 2.0 + (SATURATED_RAD / error).ln() / rate;
         assert!((horizon / lost - 1.0).abs() < 0.2, "{horizon} for {lost}");
+    }
+
+    #[test]
+    fn twins_part_at_the_rate_that_the_question_growth_tells() {
+        // The angle of the release in which a nudge grows most, as the question has it.
+        let parted = |bob: usize| {
+            let pendulum = PendulumSpec::default().pendulum_in::<Dd>();
+            let own = wide(&State::rest([2.2, 2.5]));
+            let mut other = own;
+            other.angle[bob] = other.angle[bob] + Dd::new(1e-18);
+            let steps = (25.0 * STEPS_A_SEC) as usize;
+            let [own, other] = [own, other].map(|start| exact_path(pendulum, start, steps));
+            let ruler = Ruler::new(&PendulumSpec::default().pendulum());
+            (ruler.distance(&own[steps], &other[steps]) / 1e-18).ln() / 25.0
+        };
+        let text = "[question]\nask = \"growth\"\nbudget = 25.0\n\
+                    [view]\ncenter = [\"2.2\", \"2.5\"]\nwidth = \"1e-9\"";
+        let scene = Document::parse(text).unwrap().scene();
+        let request = EngineRequest { kind: Some(EngineKind::Cpu), ..EngineRequest::default() };
+        let samples = Renderer::new(&request).unwrap().render(&scene, [1, 1]).unwrap();
+        let (told, seen) = (samples.values(0)[0], parted(0).max(parted(1)));
+        assert!((seen / told - 1.0).abs() < 0.03, "{seen} for {told}");
     }
 
     #[test]

@@ -1,0 +1,133 @@
+//! Surveys of small scenes: what they find, keep and refuse.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use flipmap_engine::EngineKind;
+use flipmap_engine::choice::EngineRequest;
+use flipmap_measure::{
+    Findings, MeasureError, Statistic, Survey, SurveyFolder, SurveyOrder, table,
+};
+use flipmap_render::tiles::Renderer;
+use flipmap_scene::Document;
+
+fn renderer(kind: EngineKind) -> Renderer {
+    let request = EngineRequest { kind: Some(kind), verify: true, ..EngineRequest::default() };
+    Renderer::new(&request).unwrap()
+}
+
+fn order(text: &str, of: &[Statistic]) -> SurveyOrder {
+    let scene = Document::parse(text).unwrap().scene().checked().unwrap();
+    SurveyOrder { of: of.to_vec(), samples: 4800, ..SurveyOrder::of(scene) }
+}
+
+fn found(order: &SurveyOrder, kind: EngineKind) -> Findings {
+    let mut survey = Survey::new(order.clone()).unwrap();
+    survey.run(&mut renderer(kind), &|_, _| true).unwrap();
+    survey.findings()
+}
+
+const SHORT: &str = "[question]\nbudget = 3.0";
+
+#[test]
+fn seeds_sizes_and_engines_agree_within_their_intervals() {
+    let order = order(SHORT, &[Statistic::Areas, Statistic::Survival]);
+    let more = |samples, seed| SurveyOrder { samples, seed, ..order.clone() };
+    let all = [
+        found(&more(4800, 1), EngineKind::Cpu),
+        found(&more(4800, 2), EngineKind::Cpu),
+        found(&more(9600, 3), EngineKind::Cpu),
+        found(&more(4800, 1), EngineKind::Gpu),
+    ];
+    let flips = all.each_ref().map(|found| found.areas.as_ref().unwrap().classes[0].1);
+    for (a, b) in flips.iter().flat_map(|a| flips.iter().map(move |b| (a, b))) {
+        assert!(a.overlaps(b), "{flips:?}");
+    }
+    // The same starts on two engines: the same answers.
+    assert_eq!(flips[0], flips[3]);
+    assert!(flips[2].half_width() < flips[0].half_width());
+    let areas = all[2].areas.as_ref().unwrap();
+    let sum: f64 = areas.classes.iter().map(|(_, share)| share.value).sum();
+    assert!((sum - 1.0).abs() < 1e-12, "{areas:?}");
+    let by_time: f64 = areas.flips.iter().map(|(_, _, share)| share.value).sum();
+    assert!((by_time - areas.classes[0].1.value).abs() < 1e-12, "{areas:?}");
+    let curve = &all[2].survival.as_ref().unwrap().curve;
+    assert!(curve.windows(2).all(|two| two[0].share.value >= two[1].share.value));
+}
+
+#[test]
+fn a_survey_that_was_stopped_goes_on_and_finds_the_same() {
+    let home = tempfile::tempdir().unwrap();
+    let order = order(SHORT, &[Statistic::Areas]);
+    let whole = found(&order, EngineKind::Cpu);
+    let within = |folder: SurveyFolder| Survey::within(order.clone(), folder).unwrap();
+    let folder = SurveyFolder::create(home.path()).unwrap();
+    let mut survey = within(folder.clone());
+    let stop = survey.run(&mut renderer(EngineKind::Cpu), &|done, _| done < 2000);
+    assert!(matches!(stop, Err(MeasureError::Stopped)), "{stop:?}");
+    let mut survey = within(folder);
+    let [known, all] = survey.extent();
+    assert!((2000..all).contains(&known), "{known} of {all}");
+    let least = AtomicU64::new(u64::MAX);
+    let watch = |done: u64, _| {
+        least.fetch_min(done, Ordering::Relaxed);
+        true
+    };
+    survey.run(&mut renderer(EngineKind::Cpu), &watch).unwrap();
+    assert!(least.into_inner() >= known);
+    let found = survey.findings();
+    assert_eq!(found, whole);
+    survey.write(&found).unwrap();
+    let json = std::fs::read_to_string(home.path().join("measure.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["findings"]["areas"]["starts"], 4800);
+    assert!(
+        std::fs::read_to_string(home.path().join("measure.html")).unwrap().contains("forbidden")
+    );
+    let text = table(&found);
+    assert!(text.contains("forbidden") && text.contains("0.30643"), "{text}");
+}
+
+#[test]
+fn edges_boxes_and_growth_have_files_of_their_own() {
+    let home = tempfile::tempdir().unwrap();
+    let of = [Statistic::Edges, Statistic::Entropy, Statistic::Fat, Statistic::Growth];
+    let order = SurveyOrder { samples: 9600, ..order("[question]\nbudget = 2.5", &of) };
+    let folder = SurveyFolder::create(home.path()).unwrap();
+    let mut survey = Survey::within(order, folder).unwrap();
+    survey.run(&mut renderer(EngineKind::Cpu), &|_, _| true).unwrap();
+    let found = survey.findings();
+    assert_eq!(found.missing, []);
+    // The boundary of flips within 2.5 s is smooth.
+    let alpha = found.edges.as_ref().unwrap().exponent.alpha;
+    assert!(alpha.contains(1.0) || alpha.value > 0.8, "{alpha:?}");
+    assert!(!found.fat.as_ref().unwrap().is_fat);
+    survey.write(&found).unwrap();
+    for name in ["edges", "exponent", "entropy", "growth", "sections", "fat"] {
+        for ending in ["csv", "svg"] {
+            let file = home.path().join(format!("{name}.{ending}"));
+            let text = std::fs::read_to_string(&file).unwrap();
+            assert!(text.lines().count() > 3 && !text.contains("NaN"), "{name}.{ending}: {text}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_measured_is_refused_in_one_sentence() {
+    let refusal = |text: &str, of: Statistic| match Survey::new(order(text, &[of])) {
+        Err(error) => error.to_string(),
+        Ok(_) => String::new(),
+    };
+    let state = "[question]\nask = \"state\"\nat = 2.0";
+    assert!(refusal(state, Statistic::Areas).contains("needs a question with classes"));
+    assert_eq!(refusal(state, Statistic::Growth), "");
+    assert!(refusal(SHORT, Statistic::Wada).contains("three classes"));
+    let deep = "[view]\ncenter = [\"2\", \"1\"]\nwidth = \"1e-20\"";
+    assert!(refusal(deep, Statistic::Areas).contains("at least 1e-12"));
+    let still = "[view]\ncenter = [\"0.1\", \"0.1\"]\nwidth = \"0.01\"";
+    let one_class = found(&order(still, &[Statistic::Edges]), EngineKind::Cpu);
+    assert!(one_class.missing[0].why.contains("same class"), "{one_class:?}");
+    let home = tempfile::tempdir().unwrap();
+    std::fs::write(home.path().join("mine.txt"), "x").unwrap();
+    let error = SurveyFolder::create(home.path()).unwrap_err().to_string();
+    assert!(error.contains("it holds files"), "{error}");
+}
