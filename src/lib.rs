@@ -42,7 +42,8 @@
 //! # The crates
 //!
 //! Data flows one way, and a crate can use only those to its left:
-//! `numbers → pendulum → scene → engine → render → report`, `render → lab → window`.
+//! `numbers → pendulum → scene → engine → render → report`, `render → lab → window`,
+//! `estimate → measure ← render`.
 //!
 //! | crate | contents |
 //! |---|---|
@@ -51,7 +52,8 @@
 //! | [`flipmap_scene`] | pendulum, question, view, colours, keys of films; pixels as starts |
 //! | [`flipmap_engine`] | outcomes of starts: SIMD lanes, compute shaders, deep zoom, checks |
 //! | [`flipmap_render`] | order of samples, pictures, films, traces, work in shards |
-//! | [`flipmap_report`] | measurements and hard cases |
+//! | [`flipmap_report`] | speed against error, hard cases |
+//! | [`flipmap_estimate`], [`flipmap_measure`] | estimators with intervals, and surveys of scenes |
 //! | `flipmap_lab`, `flipmap_window` | the live figures and the window, with the feature `window` |
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 

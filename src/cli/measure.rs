@@ -124,8 +124,10 @@ fn stopped(error: MeasureError, options: &Options) -> anyhow::Error {
 
 /// Fails if nothing that was ordered could be estimated.
 fn refuse_nothing(survey: &Survey, findings: &Findings) -> Result<(), MeasureError> {
-    match findings.missing.first() {
-        Some(first) if findings.missing.len() == survey.order().of.len() => {
+    let missing = |one: &Statistic| findings.missing.iter().find(|it| it.what == one.name());
+    let all: Option<Vec<_>> = survey.order().of.iter().map(missing).collect();
+    match all.as_deref() {
+        Some([first, ..]) => {
             Err(MeasureError::Estimate { what: first.what, why: first.error.clone() })
         }
         _ => Ok(()),

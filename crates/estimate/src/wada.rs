@@ -11,18 +11,18 @@ use crate::EstimateError;
 use crate::boxes::Raster;
 
 /// What the merged boundaries say.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Merged {
     /// Pixels along a side of the picture.
     pub side: usize,
     /// Greatest distance of a pixel of a merged boundary from any other one, pixels.
     pub farthest: u32,
-    /// Distance within which 99.9 in 100 such pixels lie, pixels.
-    pub nearly_all: u32,
+    /// The share of such pixels that are farther than a few pixels from some other one.
+    pub apart: f64,
 }
 
 /// What pictures of several resolutions say.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wada {
     /// The merged boundaries, the coarsest picture first.
     pub pictures: Vec<Merged>,
@@ -32,6 +32,8 @@ pub struct Wada {
 
 /// Distance in pixels that counts as the same boundary.
 const SAME: u32 = 6;
+/// Share of pixels that may be farther away in a shared boundary: the ends of its thinnest tongues.
+const ENDS: f64 = 1e-3;
 
 /// Judges pictures of the same region, the coarsest first.
 pub fn wada(pictures: &[Raster]) -> Result<Wada, EstimateError> {
@@ -39,7 +41,7 @@ pub fn wada(pictures: &[Raster]) -> Result<Wada, EstimateError> {
         return Err(EstimateError::TooFew { what: "pictures", have: pictures.len(), need: 2 });
     }
     let pictures: Vec<Merged> = pictures.iter().map(merged).collect::<Result<_, _>>()?;
-    let is_wada = pictures.iter().all(|picture| picture.nearly_all <= SAME);
+    let is_wada = pictures.iter().all(|picture| picture.apart <= ENDS);
     Ok(Wada { pictures, is_wada })
 }
 
@@ -60,10 +62,9 @@ pub fn merged(raster: &Raster) -> Result<Merged, EstimateError> {
             all.extend(there.map(|(_, far)| *far));
         }
     }
-    all.sort_unstable();
-    let farthest = all.last().copied().ok_or(EstimateError::OneClass)?;
-    let nearly_all = all[(all.len() - 1) * 999 / 1000];
-    Ok(Merged { side: raster.side, farthest, nearly_all })
+    let farthest = all.iter().copied().max().ok_or(EstimateError::OneClass)?;
+    let apart = all.iter().filter(|far| **far > SAME).count() as f64 / all.len() as f64;
+    Ok(Merged { side: raster.side, farthest, apart })
 }
 
 /// Returns the pixels beside which a class begins or ends.

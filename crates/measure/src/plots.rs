@@ -1,9 +1,9 @@
-//! Curves as plots in SVG.
+//! MeasuredCurves as plots in SVG.
 
 use flipmap_estimate::Estimate;
 use plotters::prelude::*;
 
-use crate::curves::Curve;
+use crate::curves::MeasuredCurve;
 use crate::order::MeasureError;
 
 /// Width and height of a plot.
@@ -11,7 +11,7 @@ const SIZE: (u32, u32) = (640, 400);
 const INK: RGBColor = RGBColor(0x1f, 0x5f, 0xa8);
 
 /// Draws a curve with its intervals. Points that a logarithmic axis cannot show are left out.
-pub(crate) fn svg(curve: &Curve) -> Result<String, MeasureError> {
+pub(crate) fn svg(curve: &MeasuredCurve) -> Result<String, MeasureError> {
     let place = |x: f64, axis: usize| if curve.log[axis] { x.log10() } else { x };
     let least = |y: &Estimate| if curve.log[1] { y.low.max(1e-3 * y.value) } else { y.low };
     let point = |(x, y): &(f64, Estimate)| {
@@ -53,7 +53,7 @@ fn label(place: f64, is_log: bool) -> String {
 }
 
 fn draw(
-    curve: &Curve,
+    curve: &MeasuredCurve,
     points: &[(f64, [f64; 3])],
     text: &mut String,
 ) -> Result<(), Box<dyn std::error::Error>> {

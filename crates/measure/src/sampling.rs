@@ -57,6 +57,10 @@ const BOX_PIXELS: u32 = 5;
 pub(crate) const PICTURE_SIDE: u32 = 1024;
 /// Pixels along a side of the grid on which scattered starts lie.
 const GRID_SIDE: u32 = 1 << 31;
+/// The samples for one exponent of the view and of a section: a checked exponent takes as long as some
+/// hundred checked flips.
+const VIEW_SHARE: u64 = 64;
+const SECTION_SHARE: u64 = 320;
 /// Energies of sections, as shares of P + Q, the energy of both rods pointing up.
 const SECTION_ENERGIES: [f64; 9] = [-0.9, -0.7, -0.5, -0.25, 0.0, 0.5, 1.0, 2.0, 4.0];
 
@@ -92,8 +96,8 @@ impl Stage {
             Stage::PairsApart(_) => samples / 5,
             Stage::BoxesOf(_) => samples / 2,
             Stage::Picture => u64::from(PICTURE_SIDE).pow(2),
-            Stage::Exponents(_) => samples / 10 / u64::from(REPLICATES),
-            Stage::SectionAt(_) => samples / 50,
+            Stage::Exponents(_) => samples / VIEW_SHARE / u64::from(REPLICATES),
+            Stage::SectionAt(_) => samples / SECTION_SHARE,
         }
     }
 
@@ -123,7 +127,7 @@ struct Sampler<'a> {
     watch: &'a dyn Watch,
 }
 
-type Outcome = Result<Option<Sampled>, EngineError>;
+type StageResult = Result<Option<Sampled>, EngineError>;
 
 impl Sampler<'_> {
     fn ask(&self) -> QuestionName {
@@ -136,11 +140,11 @@ impl Sampler<'_> {
         scene: &Scene,
         points: &Points,
         made: impl FnOnce(Samples) -> Sampled,
-    ) -> Outcome {
+    ) -> StageResult {
         Ok(self.renderer.answers_at(scene, points, self.watch)?.map(made))
     }
 
-    fn starts(self, replicate: u32) -> Outcome {
+    fn starts(self, replicate: u32) -> StageResult {
         let count = self.order.samples / REPLICATES;
         let points =
             scattered_points(&self.order.scene, self.order.seed, replicate..replicate + 1, count);
@@ -166,7 +170,7 @@ impl Sampler<'_> {
         })
     }
 
-    fn pairs(self, decades: u32) -> Outcome {
+    fn pairs(self, decades: u32) -> StageResult {
         let SurveyOrder { scene, samples, seed, apart_secs, .. } = self.order;
         let epsilon = unit(scene) * 10f64.powi(-(decades as i32));
         let count = (samples / 10 / REPLICATES).min(1 << 16);
@@ -192,7 +196,7 @@ impl Sampler<'_> {
         })
     }
 
-    fn boxes(self, half_decades: u32) -> Outcome {
+    fn boxes(self, half_decades: u32) -> StageResult {
         let SurveyOrder { scene, samples, seed, .. } = self.order;
         let side = unit(scene) * 10f64.powf(-0.5 * f64::from(half_decades));
         let pixels = BOX_PIXELS * BOX_PIXELS;
@@ -214,7 +218,7 @@ impl Sampler<'_> {
         })
     }
 
-    fn picture(self) -> Outcome {
+    fn picture(self) -> StageResult {
         let ask = self.ask();
         let size = [PICTURE_SIDE; 2];
         let samples = self.renderer.render_while(&self.order.scene, size, self.watch)?;
@@ -226,9 +230,9 @@ impl Sampler<'_> {
         }))
     }
 
-    fn exponents(self, replicate: u32) -> Outcome {
+    fn exponents(self, replicate: u32) -> StageResult {
         let scene = growing(&self.order.scene);
-        let count = (self.order.samples / 10 / REPLICATES).max(1);
+        let count = (self.order.samples / VIEW_SHARE as u32 / REPLICATES).max(1);
         let seed = self.order.seed.wrapping_add(3000);
         let points = scattered_points(&scene, seed, replicate..replicate + 1, count);
         self.answer(&scene, &points, |samples| {
@@ -236,9 +240,9 @@ impl Sampler<'_> {
         })
     }
 
-    fn section(self, place: u32) -> Outcome {
+    fn section(self, place: u32) -> StageResult {
         let (scene, energy) = section_of(&self.order.scene, place);
-        let count = (self.order.samples / 50 / REPLICATES).max(1);
+        let count = (self.order.samples / SECTION_SHARE as u32 / REPLICATES).max(1);
         let seed = self.order.seed.wrapping_add(4000 + u64::from(place));
         let points = scattered_points(&scene, seed, 0..REPLICATES, count);
         self.answer(&scene, &points, |samples| {

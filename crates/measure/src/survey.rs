@@ -8,7 +8,7 @@ use flipmap_render::tiles::Renderer;
 use flipmap_scene::Document;
 
 use crate::findings::{Findings, findings};
-use crate::order::{MeasureError, SurveyOrder};
+use crate::order::{MeasureError, Statistic, SurveyOrder};
 use crate::sampling::{Sampled, Stage};
 use crate::{SurveyFolder, page};
 
@@ -41,8 +41,7 @@ impl Survey {
 
     /// The stages that the order needs.
     fn stages(&self) -> Vec<Stage> {
-        let is_needed = |stage: &Stage| self.order.of.iter().any(|one| one.needs(*stage));
-        Stage::all().into_iter().filter(is_needed).collect()
+        stages_of(&self.order.of)
     }
 
     /// Number of starts that are known already, and of all.
@@ -74,10 +73,14 @@ impl Survey {
         Ok(())
     }
 
-    /// Estimates what was ordered from the stages that are done.
+    /// Estimates everything whose stages are done: what was ordered, and what the folder has besides.
     pub fn findings(&self) -> Findings {
-        let stages = self.stages();
-        findings(&self.order, stages.iter().filter_map(|stage| self.done.get(&stage.name())))
+        let is_done = |stage: &Stage| self.done.contains_key(&stage.name());
+        let mut of = SurveyOrder::of(self.order.scene.clone()).of;
+        of.retain(|one| self.order.of.contains(one) || stages_of(&[*one]).iter().all(is_done));
+        let stages = stages_of(&of);
+        let order = SurveyOrder { of, ..self.order.clone() };
+        findings(&order, stages.iter().filter_map(|stage| self.done.get(&stage.name())))
     }
 
     /// Writes the results as files into the folder.
@@ -94,4 +97,10 @@ impl Survey {
         let text = Document::default().with_scene(scene.clone()).text();
         sha256(format!("1\n{text}\n{samples}\n{seed}\n{apart_secs:?}").as_bytes())
     }
+}
+
+/// The stages that some statistics need.
+fn stages_of(of: &[Statistic]) -> Vec<Stage> {
+    let is_needed = |stage: &Stage| of.iter().any(|one| one.needs(*stage));
+    Stage::all().into_iter().filter(is_needed).collect()
 }
