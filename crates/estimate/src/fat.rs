@@ -42,6 +42,7 @@ pub fn fat_fractal(sizes: &[Boxes], seed: u64) -> Result<FatFractal, EstimateErr
     let readings: Vec<Vec<[f64; 3]>> =
         sizes.iter().map(|boxes| boxes.groups.iter().map(|group| mixed(group)).collect()).collect();
     let shares = readings.iter().map(|groups| Estimate::of_replicates(groups));
+    let shares = shares.map(|share| Ok(share?.within(0.0, 1.0)));
     let shares: Vec<Estimate> = shares.collect::<Result<_, _>>()?;
     if shares.iter().all(|share| share.value == 0.0) {
         return Err(EstimateError::OneClass);
@@ -51,8 +52,9 @@ pub fn fat_fractal(sizes: &[Boxes], seed: u64) -> Result<FatFractal, EstimateErr
             let values: Vec<f64> = picked(k).iter().map(|g| groups[*g][reading]).collect();
             let (mean, _) = mean_and_error(&values);
             let all: Vec<f64> = groups.iter().map(|group| group[1]).collect();
-            // A share of which no group differs from another is not known without an error.
-            let error = mean_and_error(&all).1.max(1e-3 * mean.max(1e-6));
+            // Few mixed boxes may be as many in every group, and none is no proof that there are none.
+            let count = sizes[k].groups.iter().map(Vec::len).sum::<usize>() as f64;
+            let error = mean_and_error(&all).1.max((mean.max(1.0 / count) / count).sqrt());
             [sizes[k].side, mean, error.powi(-2)]
         };
         fit(&readings.iter().enumerate().map(point).collect::<Vec<_>>())

@@ -87,28 +87,38 @@ fn a_survey_that_was_stopped_goes_on_and_finds_the_same() {
     assert!(text.contains("forbidden") && text.contains("0.30643"), "{text}");
 }
 
-#[test]
-fn edges_boxes_and_growth_have_files_of_their_own() {
+/// Runs a survey in a folder and checks that it drew and wrote these curves.
+fn written(order: SurveyOrder, curves: &[&str]) -> Findings {
     let home = tempfile::tempdir().unwrap();
-    let of = [Statistic::Edges, Statistic::Entropy, Statistic::Fat, Statistic::Growth];
-    let order = SurveyOrder { samples: 9600, ..order("[question]\nbudget = 2.5", &of) };
     let folder = SurveyFolder::create(home.path()).unwrap();
     let mut survey = Survey::within(order, folder).unwrap();
     survey.run(&mut renderer(EngineKind::Cpu), &|_, _| true).unwrap();
     let found = survey.findings();
     assert_eq!(found.missing, []);
-    // The boundary of flips within 2.5 s is smooth.
-    let alpha = found.edges.as_ref().unwrap().exponent.alpha;
-    assert!(alpha.contains(1.0) || alpha.value > 0.8, "{alpha:?}");
-    assert!(!found.fat.as_ref().unwrap().is_fat);
     survey.write(&found).unwrap();
-    for name in ["edges", "exponent", "entropy", "growth", "sections", "fat"] {
-        for ending in ["csv", "svg"] {
-            let file = home.path().join(format!("{name}.{ending}"));
-            let text = std::fs::read_to_string(&file).unwrap();
-            assert!(text.lines().count() > 3 && !text.contains("NaN"), "{name}.{ending}: {text}");
-        }
+    for (name, ending) in curves.iter().flat_map(|name| [(name, "csv"), (name, "svg")]) {
+        let text = std::fs::read_to_string(home.path().join(format!("{name}.{ending}"))).unwrap();
+        assert!(text.lines().count() > 3 && !text.contains("NaN"), "{name}.{ending}: {text}");
     }
+    found
+}
+
+#[test]
+fn edges_of_the_home_map_are_rough() {
+    let order = SurveyOrder { samples: 20_000, ..order("", &[Statistic::Edges]) };
+    let found = written(order, &["edges", "exponent"]);
+    // 1.81 with ten times as many pairs.
+    let dimension = found.edges.unwrap().exponent.dimension;
+    assert!((1.7..1.9).contains(&dimension.value) && dimension.half_width() < 0.1, "{dimension:?}");
+}
+
+#[test]
+fn flips_within_two_seconds_have_a_smooth_edge() {
+    let of = [Statistic::Entropy, Statistic::Fat, Statistic::Growth];
+    let order = SurveyOrder { samples: 9600, ..order("[question]\nbudget = 2.0", &of) };
+    let names = ["entropy", "boundary-entropy", "growth", "sections", "fat"];
+    let fat = written(order, &names).fat.unwrap();
+    assert!(!fat.is_fat && fat.beta.contains(1.0), "{fat:?}");
 }
 
 #[test]

@@ -117,6 +117,7 @@ mod tests {
     use super::*;
     use flipmap_engine::EngineKind;
     use flipmap_engine::choice::EngineRequest;
+    use flipmap_numbers::Scalar;
     use flipmap_scene::{Document, View};
 
     fn renderer() -> Renderer {
