@@ -42,7 +42,7 @@ pub(crate) fn measure(
     clock.finish(py)?;
     done?;
     let findings = survey.findings();
-    survey.write(&findings).map_err(measure_error)?;
+    survey.write().map_err(measure_error)?;
     serde_json::to_string(&findings).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 

@@ -4,26 +4,29 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use flipmap_engine::Accuracy;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_measure::{
     Findings, MeasureError, Statistic, Survey, SurveyFolder, SurveyOrder, table,
 };
 use flipmap_render::tiles::Renderer;
+use flipmap_scene::{did_you_mean, in_a_row};
 
 use super::exit::Exit;
 use super::options::{SceneOptions, number_of};
 use super::progress::Mode;
 use super::run_options::{EngineOptions, in_words, start};
 use super::stop;
+use super::suggested::Suggested;
 use super::watch::CommandLine;
 
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// What to measure (default: all that the question allows)
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = statistic())]
-    of: Vec<Statistic>,
+    #[arg(long, value_name = "LIST", value_delimiter = ',', hide_possible_values = true,
+          help = format!("What to measure (default: all that the question allows): {}",
+                         in_a_row(&Statistic::ALL.map(|(_, name, _)| name), "or")),
+          value_parser = Suggested(Statistic::ALL.map(|(_, name, _)| name).to_vec()))]
+    of: Vec<String>,
     /// Number of starts for areas and survival; everything else takes its share of it
     #[arg(long, value_name = "N", default_value_t = 200_000,
           value_parser = clap::value_parser!(u32).range(i64::from(*SurveyOrder::SAMPLES.start())..=i64::from(*SurveyOrder::SAMPLES.end())))]
@@ -47,13 +50,6 @@ pub(super) struct Options {
     scene: SceneOptions,
     #[command(flatten)]
     engine: EngineOptions,
-}
-
-fn statistic() -> impl TypedValueParser<Value = Statistic> {
-    let names = PossibleValuesParser::new(
-        Statistic::ALL.map(|(_, name, help)| clap::builder::PossibleValue::new(name).help(help)),
-    );
-    names.map(|name| Statistic::named(&name).expect("one of the names"))
 }
 
 pub(super) fn run(options: &Options) -> anyhow::Result<()> {
@@ -82,7 +78,7 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     }
     let findings = survey.findings();
     refuse_nothing(&survey, &findings)?;
-    survey.write(&findings)?;
+    survey.write()?;
     tell(options, &findings)
 }
 
@@ -90,7 +86,7 @@ fn order(options: &Options) -> anyhow::Result<SurveyOrder> {
     let document = options.scene.document()?.settled();
     let mut order = SurveyOrder::of(document.scene());
     if !options.of.is_empty() {
-        order.of = options.of.clone();
+        order.of = options.of.iter().map(|name| named(name)).collect::<Result<_, _>>()?;
         order.of.sort_unstable();
         order.of.dedup();
     }
@@ -103,6 +99,17 @@ fn order(options: &Options) -> anyhow::Result<SurveyOrder> {
         apart_secs: apart_secs.transpose()?,
         ..order
     })
+}
+
+/// Returns the statistic with a name.
+fn named(name: &str) -> Result<Statistic, Exit> {
+    let names = Statistic::ALL.map(|(_, name, _)| name);
+    let refusal = || {
+        let allowed = in_a_row(&names, "or");
+        let hint = did_you_mean(&names, name);
+        Exit::Usage(format!("--of is '{name}'; it must be {allowed}{hint}"))
+    };
+    Statistic::named(name).ok_or_else(refusal)
 }
 
 /// Converts an error about a setting to a usage error.

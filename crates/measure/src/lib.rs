@@ -24,7 +24,7 @@
 //! survey.run(&mut renderer, &|_, _| true)?;
 //! let areas = survey.findings().areas.ok_or("it was ordered")?;
 //! let (name, share) = &areas.classes[2];
-//! assert!(name == "forbidden" && (share.value - 0.306437).abs() < 1e-6);
+//! assert!(name == "forbidden" && (share.value - 0.30643564).abs() < 1e-7);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]

@@ -73,20 +73,29 @@ impl Survey {
         Ok(())
     }
 
-    /// Estimates everything whose stages are done: what was ordered, and what the folder has besides.
+    /// Estimates what was ordered from the stages that are done.
     pub fn findings(&self) -> Findings {
+        self.findings_of(self.order.of.clone())
+    }
+
+    /// Estimates everything whose stages are done.
+    fn all_findings(&self) -> Findings {
         let is_done = |stage: &Stage| self.done.contains_key(&stage.name());
         let mut of = SurveyOrder::of(self.order.scene.clone()).of;
         of.retain(|one| self.order.of.contains(one) || stages_of(&[*one]).iter().all(is_done));
+        self.findings_of(of)
+    }
+
+    fn findings_of(&self, of: Vec<Statistic>) -> Findings {
         let stages = stages_of(&of);
         let order = SurveyOrder { of, ..self.order.clone() };
         findings(&order, stages.iter().filter_map(|stage| self.done.get(&stage.name())))
     }
 
-    /// Writes the results as files into the folder.
-    pub fn write(&self, findings: &Findings) -> Result<(), MeasureError> {
+    /// Writes what was ordered, and what else the folder has the samples for, as files into the folder.
+    pub fn write(&self) -> Result<(), MeasureError> {
         match &self.folder {
-            Some(folder) => folder.write(&page::files(&self.order, findings)?),
+            Some(folder) => folder.write(&page::files(&self.order, &self.all_findings())?),
             None => Ok(()),
         }
     }

@@ -76,7 +76,7 @@ fn a_survey_that_was_stopped_goes_on_and_finds_the_same() {
     assert!(least.into_inner() >= known);
     let found = survey.findings();
     assert_eq!(found, whole);
-    survey.write(&found).unwrap();
+    survey.write().unwrap();
     let json = std::fs::read_to_string(home.path().join("measure.json")).unwrap();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(json["findings"]["areas"]["starts"], 4800);
@@ -95,7 +95,7 @@ fn written(order: SurveyOrder, curves: &[&str]) -> Findings {
     survey.run(&mut renderer(EngineKind::Cpu), &|_, _| true).unwrap();
     let found = survey.findings();
     assert_eq!(found.missing, []);
-    survey.write(&found).unwrap();
+    survey.write().unwrap();
     for (name, ending) in curves.iter().flat_map(|name| [(name, "csv"), (name, "svg")]) {
         let text = std::fs::read_to_string(home.path().join(format!("{name}.{ending}"))).unwrap();
         assert!(text.lines().count() > 3 && !text.contains("NaN"), "{name}.{ending}: {text}");
