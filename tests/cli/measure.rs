@@ -47,7 +47,7 @@ fn what_cannot_be_measured_is_one_sentence() {
     assert!(refusal(2, &["--of", "colours"]).contains("colours"));
     assert!(refusal(2, &["--samples", "10"]).contains("1600"));
     assert!(refusal(2, &["--apart", "soon"]).contains("--apart"));
-    assert!(refusal(2, &["--width", "1e-20"]).contains("--width"));
+    assert!(refusal(2, &["--width", "1e-23"]).contains("--width"));
     let still = ["--center", "0.1,0.1", "--width", "0.01", "--of", "edges"];
     assert!(refusal(1, &still).contains("same class"));
     std::fs::write(folder.path().join("notes.txt"), "mine").unwrap();

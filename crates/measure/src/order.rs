@@ -135,9 +135,9 @@ impl SurveyOrder {
     pub const SAMPLES: RangeInclusive<u32> = 1600..=1_048_576;
     /// Range of the time that sets two flips apart, s.
     pub const APART_SECS: RangeInclusive<f64> = 1e-3..=1e6;
-    /// Smallest width of a view that is measured, in the units of its plane: closer pairs than those of
-    /// such a view are beyond double-double.
-    pub const LEAST_WIDTH: f64 = 1e-12;
+    /// Smallest width of a view that is measured, in the units of its plane: in narrower ones,
+    /// double-double starts are too few decades apart.
+    pub const LEAST_WIDTH: f64 = 1e-22;
 
     /// The order of everything that can be measured of a checked scene.
     pub fn of(scene: Scene) -> Self {

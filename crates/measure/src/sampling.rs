@@ -61,6 +61,9 @@ const GRID_SIDE: u32 = 1 << 31;
 /// hundred checked flips.
 const VIEW_SHARE: u64 = 64;
 const SECTION_SHARE: u64 = 320;
+/// Smallest distance between starts, in the units of the plane: angles in double-double have errors of
+/// 1e-31.
+const FINEST: f64 = 1e-27;
 /// Energies of sections, as shares of P + Q, the energy of both rods pointing up.
 const SECTION_ENERGIES: [f64; 9] = [-0.9, -0.7, -0.5, -0.25, 0.0, 0.5, 1.0, 2.0, 4.0];
 
@@ -74,6 +77,15 @@ impl Stage {
         let sections = (0..SECTION_ENERGIES.len() as u32).map(Stage::SectionAt);
         let first = starts.chain(pairs).chain(boxes).chain([Stage::Picture]);
         first.chain(exponents).chain(sections).collect()
+    }
+
+    /// Returns true if double-double tells its starts apart.
+    pub(crate) fn is_resolved(self, scene: &Scene) -> bool {
+        match self {
+            Stage::PairsApart(decades) => distance_of(scene, decades) >= FINEST,
+            Stage::BoxesOf(half_decades) => side_of(scene, half_decades) >= 10.0 * FINEST,
+            Stage::Starts(_) | Stage::Picture | Stage::Exponents(_) | Stage::SectionAt(_) => true,
+        }
     }
 
     /// The name under which it is kept.
@@ -172,7 +184,7 @@ impl Sampler<'_> {
 
     fn pairs(self, decades: u32) -> StageResult {
         let SurveyOrder { scene, samples, seed, apart_secs, .. } = self.order;
-        let epsilon = unit(scene) * 10f64.powi(-(decades as i32));
+        let epsilon = distance_of(scene, decades);
         let count = (samples / 10 / REPLICATES).min(1 << 16);
         let seed = seed.wrapping_add(1000 + u64::from(decades));
         // Half of the pairs lie side by side, half one above the other.
@@ -198,7 +210,7 @@ impl Sampler<'_> {
 
     fn boxes(self, half_decades: u32) -> StageResult {
         let SurveyOrder { scene, samples, seed, .. } = self.order;
-        let side = unit(scene) * 10f64.powf(-0.5 * f64::from(half_decades));
+        let side = side_of(scene, half_decades);
         let pixels = BOX_PIXELS * BOX_PIXELS;
         let count = (samples / 2 / pixels / REPLICATES).max(1);
         let seed = seed.wrapping_add(2000 + u64::from(half_decades));
@@ -259,6 +271,16 @@ impl Sampler<'_> {
 /// as the torus.
 pub(crate) fn unit(scene: &Scene) -> f64 {
     scene.view.width_rad().hi / std::f64::consts::TAU
+}
+
+/// The distance of the pairs of a stage.
+fn distance_of(scene: &Scene, decades: u32) -> f64 {
+    unit(scene) * 10f64.powi(-(decades as i32))
+}
+
+/// The side of the boxes of a stage.
+fn side_of(scene: &Scene, half_decades: u32) -> f64 {
+    unit(scene) * 10f64.powf(-0.5 * f64::from(half_decades))
 }
 
 /// Returns the pixel of a fine grid at a scattered point.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use flipmap_render::Watch;
 use flipmap_render::output::sha256;
 use flipmap_render::tiles::Renderer;
-use flipmap_scene::Document;
+use flipmap_scene::{Document, Scene};
 
 use crate::findings::{Findings, findings};
 use crate::order::{MeasureError, Statistic, SurveyOrder};
@@ -41,7 +41,7 @@ impl Survey {
 
     /// The stages that the order needs.
     fn stages(&self) -> Vec<Stage> {
-        stages_of(&self.order.of)
+        stages_of(&self.order.scene, &self.order.of)
     }
 
     /// Number of starts that are known already, and of all.
@@ -82,12 +82,14 @@ impl Survey {
     fn all_findings(&self) -> Findings {
         let is_done = |stage: &Stage| self.done.contains_key(&stage.name());
         let mut of = SurveyOrder::of(self.order.scene.clone()).of;
-        of.retain(|one| self.order.of.contains(one) || stages_of(&[*one]).iter().all(is_done));
+        of.retain(|one| {
+            self.order.of.contains(one) || stages_of(&self.order.scene, &[*one]).iter().all(is_done)
+        });
         self.findings_of(of)
     }
 
     fn findings_of(&self, of: Vec<Statistic>) -> Findings {
-        let stages = stages_of(&of);
+        let stages = stages_of(&self.order.scene, &of);
         let order = SurveyOrder { of, ..self.order.clone() };
         findings(&order, stages.iter().filter_map(|stage| self.done.get(&stage.name())))
     }
@@ -108,8 +110,9 @@ impl Survey {
     }
 }
 
-/// The stages that some statistics need.
-fn stages_of(of: &[Statistic]) -> Vec<Stage> {
-    let is_needed = |stage: &Stage| of.iter().any(|one| one.needs(*stage));
+/// The stages that some statistics of a scene need.
+fn stages_of(scene: &Scene, of: &[Statistic]) -> Vec<Stage> {
+    let is_needed =
+        |stage: &Stage| stage.is_resolved(scene) && of.iter().any(|one| one.needs(*stage));
     Stage::all().into_iter().filter(is_needed).collect()
 }

@@ -134,6 +134,9 @@ pub(crate) fn shown(number: &Estimate) -> [String; 3] {
     if number.low == number.high {
         return [number.value.to_string(), String::new(), String::new()];
     }
+    if number.value == 0.0 && number.high < 1e-6 {
+        return ["0".to_string(), String::new(), String::new()];
+    }
     let width = number.half_width().max(1e-12 * number.value.abs()).max(1e-300);
     let size =
         [number.value, number.low, number.high].map(f64::abs).into_iter().fold(0.0, f64::max);

@@ -131,8 +131,8 @@ fn what_cannot_be_measured_is_refused_in_one_sentence() {
     assert!(refusal(state, Statistic::Areas).contains("needs a question with classes"));
     assert_eq!(refusal(state, Statistic::Growth), "");
     assert!(refusal(SHORT, Statistic::Wada).contains("three classes"));
-    let deep = "[view]\ncenter = [\"2\", \"1\"]\nwidth = \"1e-20\"";
-    assert!(refusal(deep, Statistic::Areas).contains("at least 1e-12"));
+    let deep = "[view]\ncenter = [\"2\", \"1\"]\nwidth = \"1e-23\"";
+    assert!(refusal(deep, Statistic::Areas).contains("at least 1e-22"));
     let still = "[view]\ncenter = [\"0.1\", \"0.1\"]\nwidth = \"0.01\"";
     let one_class = found(&order(still, &[Statistic::Edges]), EngineKind::Cpu);
     assert!(one_class.missing[0].why.contains("same class"), "{one_class:?}");
