@@ -1,8 +1,7 @@
 //! The box-counting dimension of the boundaries in a picture of classes.
 //!
 //! A box counts if two classes lie in it. The picture misses the thinnest strips, so that the dimension
-//! of a rough boundary reads low, whatever its interval says: by 0.03 for Newton's method at 4096 pixels,
-//! by more where strips are thinner. The uncertainty exponent of [`crate::pairs`] has no such bias.
+//! of a rough boundary reads low, whatever its interval says, where strips are thinner than pixels. The uncertainty exponent of [`crate::pairs`] has no such bias.
 
 use serde::{Deserialize, Serialize};
 

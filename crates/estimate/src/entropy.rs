@@ -9,6 +9,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::estimate::LEAST_REPLICATES;
 use crate::shares::ClassCounts;
 use crate::{Estimate, EstimateError};
 
@@ -28,7 +29,7 @@ pub struct Entropy {
     pub side: f64,
     /// The basin entropy.
     pub basin: Estimate,
-    /// The boundary basin entropy; `None` if no box is mixed.
+    /// The boundary basin entropy; `None` if too few boxes are mixed.
     pub boundary: Option<Estimate>,
     /// True if the boundary basin entropy lies above ln 2, which proves a fractal boundary.
     pub is_above_ln2: bool,
@@ -40,8 +41,10 @@ pub fn entropy(boxes: &Boxes) -> Result<Entropy, EstimateError> {
     let per_mixed = |group: &Vec<ClassCounts>| READINGS.map(|k| [sum(group, k), mixed(group, k)]);
     let basin: Vec<[[f64; 2]; 3]> = boxes.groups.iter().map(per_box).collect();
     let boundary: Vec<[[f64; 2]; 3]> = boxes.groups.iter().map(per_mixed).collect();
-    let boundary = Estimate::of_ratios(&boundary)?;
-    let boundary = boundary.high.is_finite().then_some(boundary);
+    let groups = boundary.iter().filter(|group| group[1][1] > 0.0).count();
+    let is_known = groups >= LEAST_REPLICATES
+        && boundary.iter().map(|group| group[1][1]).sum::<f64>() >= FEWEST_MIXED;
+    let boundary = if is_known { Some(Estimate::of_ratios(&boundary)?) } else { None };
     Ok(Entropy {
         side: boxes.side,
         basin: Estimate::of_ratios(&basin)?.within(0.0, f64::INFINITY),
@@ -49,6 +52,9 @@ pub fn entropy(boxes: &Boxes) -> Result<Entropy, EstimateError> {
         boundary,
     })
 }
+
+/// Smallest number of mixed boxes for a boundary basin entropy.
+const FEWEST_MIXED: f64 = 20.0;
 
 /// The ways in which unsure samples are counted.
 const READINGS: [usize; 3] = [0, 1, 2];

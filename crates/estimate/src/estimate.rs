@@ -39,12 +39,14 @@ impl Estimate {
             return Err(EstimateError::TooFew { what: "replicates", have, need: LEAST_REPLICATES });
         }
         let t = quantile_t(have - 1);
-        let [low, value, high] = [0, 1, 2].map(|k| {
+        let means = [0, 1, 2].map(|k| {
             let values: Vec<f64> = readings.iter().map(|reading| reading[k]).collect();
             let (mean, error) = mean_and_error(&values);
             [mean, t * error]
         });
-        Ok(Estimate { value: value[0], low: low[0] - low[1], high: high[0] + high[1] })
+        let low = means.iter().map(|[mean, by]| mean - by).fold(f64::INFINITY, f64::min);
+        let high = means.iter().map(|[mean, by]| mean + by).fold(f64::NEG_INFINITY, f64::max);
+        Ok(Estimate { value: means[1][0], low, high })
     }
 
     /// Returns the ratio of two sums over independent replicates with Student's interval of its

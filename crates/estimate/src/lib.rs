@@ -57,6 +57,9 @@ pub enum EstimateError {
         /// Number that is needed.
         need: usize,
     },
+    /// The points of a line do not lie on one.
+    #[error("nowhere do three distances lie on a straight line, so there is no one exponent")]
+    NotStraight,
     /// All samples belong to one class, which has no boundary.
     #[error("every sample belongs to the same class, so there is no boundary to measure")]
     OneClass,

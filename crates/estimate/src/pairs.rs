@@ -142,12 +142,11 @@ fn window(scales: &[PairScale], coarsest: f64) -> Result<std::ops::Range<usize>,
     let ranges = (SHORTEST..=usable).rev().flat_map(|length| {
         (0..=usable - length).rev().map(move |from| first + from..first + from + length)
     });
-    let too_few = EstimateError::TooFew {
-        what: "distances on a straight line",
-        have: usable,
-        need: SHORTEST,
-    };
-    ranges.into_iter().find(is_straight).ok_or(too_few)
+    if usable < SHORTEST {
+        let what = "distances with enough pairs that differ";
+        return Err(EstimateError::TooFew { what, have: usable, need: SHORTEST });
+    }
+    ranges.into_iter().find(is_straight).ok_or(EstimateError::NotStraight)
 }
 
 /// Returns the slope of the scales with a bootstrapped interval.

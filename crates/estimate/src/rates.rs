@@ -8,9 +8,9 @@ use crate::{Estimate, EstimateError};
 /// The rates of one replicate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ReplicateRates {
-    /// ReplicateRates of which one can be sure.
+    /// Rates of which one can be sure.
     pub sure: Vec<f64>,
-    /// ReplicateRates of which nobody is sure.
+    /// Rates of which nobody is sure.
     pub unsure: Vec<f64>,
 }
 
@@ -21,8 +21,8 @@ pub struct RateDistribution {
     pub bound: f64,
     /// The share of regular starts.
     pub regular: Estimate,
-    /// The mean rate of the others.
-    pub mean: Estimate,
+    /// The mean rate of the others, if there are any.
+    pub mean: Option<Estimate>,
     /// Shares, and the rates that they do not exceed.
     pub quantiles: Vec<(f64, Estimate)>,
     /// Upper ends of intervals of rates, and the share of starts in each.
@@ -60,10 +60,12 @@ pub fn distribution(
     let quantile = |p: f64| over(&|all| all[((p * all.len() as f64) as usize).min(all.len() - 1)]);
     let quantiles: Vec<(f64, Estimate)> =
         QUANTILES.iter().map(|p| Ok((*p, quantile(*p)?))).collect::<Result<_, _>>()?;
-    let mean = over(&|all| {
-        let chaotic: Vec<f64> = all.iter().copied().filter(|rate| *rate > bound).collect();
-        chaotic.iter().sum::<f64>() / chaotic.len().max(1) as f64
-    })?;
+    let chaotic = |all: &Vec<f64>| {
+        let chaotic = || all.iter().copied().filter(|rate| *rate > bound);
+        [[chaotic().sum::<f64>(), chaotic().count() as f64]; 3]
+    };
+    let mean = Estimate::of_ratios(&each.iter().map(chaotic).collect::<Vec<_>>())?;
+    let mean = mean.value.is_finite().then_some(mean);
     Ok(RateDistribution { bound, regular, mean, quantiles, histogram: histogram(&each.concat()) })
 }
 
@@ -108,7 +110,7 @@ mod tests {
         let all: Vec<ReplicateRates> = (0..16).map(one).collect();
         let found = distribution(&all, regular_bound(30.0, 0.3)).unwrap();
         assert!((found.bound - 0.307).abs() < 1e-3);
-        assert!(found.regular.contains(0.3) && found.mean.contains(1.1), "{found:?}");
+        assert!(found.regular.contains(0.3) && found.mean.unwrap().contains(1.1), "{found:?}");
         assert!((found.histogram.iter().map(|bin| bin.1).sum::<f64>() - 1.0).abs() < 1e-12);
     }
 }

@@ -14,7 +14,7 @@ pub struct ClassCounts {
 }
 
 impl ClassCounts {
-    /// ClassCounts without answers, for a number of classes.
+    /// Counts without answers, for a number of classes.
     pub fn new(classes: usize) -> Self {
         ClassCounts { sure: vec![0; classes], unsure: vec![0; classes] }
     }
@@ -32,10 +32,10 @@ impl ClassCounts {
 
     /// Returns the share of a class with all unsure answers elsewhere, where they seem to belong,
     /// and in it.
-    fn readings(&self, class: usize) -> [f64; 3] {
+    fn readings(&self, class: usize) -> [[f64; 2]; 3] {
         let (sure, unsure) = (self.sure[class], self.unsure.iter().sum::<u64>());
         let counts = [sure, sure + self.unsure[class], sure + unsure];
-        counts.map(|count| count as f64 / self.total().max(1) as f64)
+        counts.map(|count| [count as f64, self.total() as f64])
     }
 }
 
@@ -47,8 +47,12 @@ const MANY: u64 = 30;
 /// The interval is Student's, of the replicates. Where hardly any answers, or hardly any others, are
 /// of the class, that of independent trials is taken too; low-discrepancy points are at least as good.
 pub fn share(replicates: &[ClassCounts], class: usize) -> Result<Estimate, EstimateError> {
-    let readings: Vec<[f64; 3]> = replicates.iter().map(|counts| counts.readings(class)).collect();
-    let interval = Estimate::of_replicates(&readings)?;
+    let readings: Vec<[[f64; 2]; 3]> =
+        replicates.iter().map(|counts| counts.readings(class)).collect();
+    if replicates.iter().all(|counts| counts.total() == 0) {
+        return Err(EstimateError::TooFew { what: "answers", have: 0, need: 1 });
+    }
+    let interval = Estimate::of_ratios(&readings)?;
     let sum = |part: &dyn Fn(&ClassCounts) -> u64| replicates.iter().map(part).sum::<u64>();
     let (count, total) = (sum(&|counts| counts.sure[class]), sum(&ClassCounts::total));
     let unsure = sum(&|counts| counts.unsure.iter().sum());
@@ -67,7 +71,7 @@ mod tests {
     use crate::scatter::scattered;
     use std::f64::consts::FRAC_PI_4;
 
-    /// ClassCounts points of the unit square in a quarter of a disc; every `step`-th point is unsure.
+    /// Counts points of the unit square in a quarter of a disc; every `step`-th point is unsure.
     fn disc(seed: u64, points: u32, step: u32) -> Vec<ClassCounts> {
         let count = |replicate| {
             let mut counts = ClassCounts::new(2);

@@ -1,9 +1,9 @@
 //! The share without an event against time, and the law of its tail.
 
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::estimate::{NORMAL, mean_and_error, quantile_t};
+use crate::shares::{ClassCounts, share};
 use crate::{Estimate, EstimateError};
 
 /// The lives of one replicate.
@@ -64,23 +64,31 @@ impl Lives {
         events as f64 + (self.survivors + self.seeming_survivors) as f64
     }
 
-    /// Returns the share that survives until `time`: without any unsure one, as it seems, and with all.
-    fn readings(&self, time: f64) -> [f64; 3] {
-        let later = |times: &[f64]| times.iter().filter(|t| **t > time).count() as f64;
-        let least = self.survivors as f64 + later(&self.sure);
-        let seems = least + self.seeming_survivors as f64 + later(&self.seeming);
-        let most = least + (self.seeming_survivors + self.seeming.len() as u64) as f64;
-        [least, seems, most].map(|count| count / self.total().max(1.0))
+    /// Counts the lives that last longer than `time`, and the others.
+    fn counts(&self, time: f64) -> ClassCounts {
+        let split = |times: &[f64], survivors: u64| {
+            let later = times.iter().filter(|t| **t > time).count() as u64;
+            vec![survivors + later, times.len() as u64 - later]
+        };
+        ClassCounts {
+            sure: split(&self.sure, self.survivors),
+            unsure: split(&self.seeming, self.seeming_survivors),
+        }
     }
 }
 
+/// Smallest number of lives of a curve.
+const LEAST_LIVES: usize = 100;
+
 /// Returns the survival curve at some times.
 pub fn survival(replicates: &[Lives], times: &[f64]) -> Result<Vec<SurvivalPoint>, EstimateError> {
+    let have = replicates.iter().map(Lives::total).sum::<f64>() as usize;
+    if have < LEAST_LIVES {
+        return Err(EstimateError::TooFew { what: "lives", have, need: LEAST_LIVES });
+    }
     let point = |time: &f64| {
-        let readings: Vec<[f64; 3]> =
-            replicates.iter().map(|lives| lives.readings(*time)).collect();
-        let share = Estimate::of_replicates(&readings)?.within(0.0, 1.0);
-        Ok(SurvivalPoint { time: *time, share })
+        let counts: Vec<ClassCounts> = replicates.iter().map(|lives| lives.counts(*time)).collect();
+        Ok(SurvivalPoint { time: *time, share: share(&counts, 0)? })
     };
     times.iter().map(point).collect()
 }
@@ -199,11 +207,6 @@ fn distance(law: &Decay, events: &[f64], since: f64, end: f64) -> f64 {
         (share - place as f64 / n).abs().max((share - (place + 1) as f64 / n).abs())
     };
     events.iter().enumerate().map(apart).fold(0.0, f64::max)
-}
-
-/// Returns the chance of a value of Vuong's statistic at least as far from 0, if neither law is better.
-pub fn chance(vuong: f64) -> f64 {
-    Normal::new(0.0, 1.0).map_or(f64::NAN, |normal| 2.0 * normal.cdf(-vuong.abs()))
 }
 
 #[cfg(test)]

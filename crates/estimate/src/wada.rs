@@ -55,13 +55,9 @@ pub fn merged(raster: &Raster) -> Result<Merged, EstimateError> {
     }
     let edges: Vec<Vec<bool>> = classes.iter().map(|class| boundary(raster, *class)).collect();
     let away: Vec<Vec<u32>> = edges.iter().map(|edge| distances(edge, raster.side)).collect();
-    let mut all: Vec<u32> = Vec::new();
-    for (k, edge) in edges.iter().enumerate() {
-        for other in (0..edges.len()).filter(|other| *other != k) {
-            let there = edge.iter().zip(&away[other]).filter(|(is_edge, _)| **is_edge);
-            all.extend(there.map(|(_, far)| *far));
-        }
-    }
+    let is_edge = |pixel: &usize| edges.iter().any(|edge| edge[*pixel]);
+    let farthest_of = |pixel: usize| away.iter().map(|away| away[pixel]).max().unwrap_or(0);
+    let all: Vec<u32> = (0..raster.classes.len()).filter(is_edge).map(farthest_of).collect();
     let farthest = all.iter().copied().max().ok_or(EstimateError::OneClass)?;
     let apart = all.iter().filter(|far| **far > SAME).count() as f64 / all.len() as f64;
     Ok(Merged { side: raster.side, farthest, apart })

@@ -23,6 +23,19 @@ pub(crate) struct MeasuredCurve {
     pub points: Vec<(f64, Estimate)>,
 }
 
+/// The names of all curves.
+pub(crate) const CURVES: [&str; 9] = [
+    "survival",
+    "edges",
+    "exponent",
+    "boxes",
+    "entropy",
+    "boundary-entropy",
+    "growth",
+    "sections",
+    "fat",
+];
+
 /// All curves that there are.
 pub(crate) fn curves(findings: &Findings) -> Vec<MeasuredCurve> {
     let mut curves = Vec::new();

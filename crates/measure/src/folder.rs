@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use flipmap_render::output::{Destination, SafeFile, read_text};
 
+use crate::curves::CURVES;
 use crate::order::MeasureError;
 use crate::sampling::Sampled;
 
@@ -24,13 +25,14 @@ impl SurveyFolder {
     pub fn create(path: &Path) -> Result<Self, MeasureError> {
         let folder = SurveyFolder(path.to_path_buf());
         let failed = |why| folder.failed("", why);
-        fs::create_dir_all(path.join(SAMPLES)).map_err(failed)?;
+        fs::create_dir_all(path).map_err(failed)?;
         let is_survey = path.join(RESULTS).exists();
         let mut found = fs::read_dir(path).map_err(failed)?.filter_map(Result::ok);
         if !is_survey && found.any(|entry| entry.file_name() != SAMPLES) {
             let why = "it holds files, but no measurements of flipmap's: name another folder";
             return Err(failed(io::Error::other(why)));
         }
+        fs::create_dir_all(path.join(SAMPLES)).map_err(failed)?;
         Ok(folder)
     }
 
@@ -66,8 +68,14 @@ impl SurveyFolder {
         self.write_one(&file, &text)
     }
 
-    /// Writes files by their names.
+    /// Writes files by their names, and removes the curves of an earlier survey that are not among them.
     pub(crate) fn write(&self, files: &[(String, String)]) -> Result<(), MeasureError> {
+        for name in CURVES.iter().flat_map(|name| [format!("{name}.csv"), format!("{name}.svg")]) {
+            let path = self.0.join(&name);
+            if files.iter().all(|(other, _)| *other != name) && path.exists() {
+                fs::remove_file(path).map_err(|why| self.failed(&name, why))?;
+            }
+        }
         files.iter().try_for_each(|(name, text)| self.write_one(name, text))
     }
 

@@ -9,10 +9,14 @@ use flipmap_scene::Scene;
 /// Number of columns over which is summed: the error falls with the power 3/2, to about 1e-9.
 const COLUMNS: u32 = 1 << 20;
 
-/// Returns the share of an upright view of released pendulums that is forbidden; `None` for other views
-/// and planes, in which it is counted.
+/// Smallest width in rad at which angles in f64 leave the integral right to 1e-8.
+const LEAST_WIDTH: f64 = 1e-6;
+
+/// Returns the share of an upright view of released pendulums that is forbidden; `None` for other and
+/// for narrow views and for other planes, in which it is counted.
 pub(crate) fn forbidden_share(scene: &Scene) -> Option<Estimate> {
-    if !scene.plane.is_at_rest() || scene.view.rotate != 0.0 {
+    let width = scene.view.width_rad().hi;
+    if !scene.plane.is_at_rest() || scene.view.rotate != 0.0 || width < LEAST_WIDTH {
         return None;
     }
     let pendulum = scene.build.pendulum();
@@ -21,7 +25,6 @@ pub(crate) fn forbidden_share(scene: &Scene) -> Option<Estimate> {
     }
     let bound = pendulum.least_depth(scene.question.watched());
     let [x, y] = scene.view.center_rad().map(|theta| theta.to_f64());
-    let width = scene.view.width_rad().hi;
     let height = width / scene.view.stretch;
     let (bottom, top) = (y - 0.5 * height, y + 0.5 * height);
     let column = |k: u32| {
@@ -45,7 +48,7 @@ fn length_below(cosine: f64, angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use flipmap_scene::{BuiltIn, Document};
+    use flipmap_scene::{BuiltIn, Document, View};
 
     fn share(text: &str) -> f64 {
         forbidden_share(&Document::parse(text).unwrap().scene().checked().unwrap()).unwrap().value
@@ -61,9 +64,11 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_view_is_counted() {
+    fn turned_and_narrow_views_are_counted() {
         let mut scene = BuiltIn::home().document().scene();
         scene.view.rotate = 10.0;
+        assert!(forbidden_share(&scene).is_none());
+        scene.view = View { width: "1e-7".into(), ..View::default() };
         assert!(forbidden_share(&scene).is_none());
     }
 }

@@ -5,11 +5,11 @@ use std::ops::RangeInclusive;
 use flipmap_engine::EngineError;
 use flipmap_estimate::EstimateError;
 use flipmap_scene::question::QuestionName;
-use flipmap_scene::{Scene, SceneError};
+use flipmap_scene::{Scene, SceneError, between};
 use serde::{Deserialize, Serialize};
 
 use crate::basins::has_basins;
-use crate::sampling::Stage;
+use crate::sampling::{Stage, growing};
 
 /// Something that can be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -135,14 +135,15 @@ impl SurveyOrder {
     pub const SAMPLES: RangeInclusive<u32> = 1600..=1_048_576;
     /// Range of the time that sets two flips apart, s.
     pub const APART_SECS: RangeInclusive<f64> = 1e-3..=1e6;
-    /// Smallest width of a view that is measured, in the units of its plane: in narrower ones,
-    /// double-double starts are too few decades apart.
-    pub const LEAST_WIDTH: f64 = 1e-22;
+    /// Smallest width of a view that is measured, in the units of its plane: in narrower ones, flips come
+    /// so late that double-double leaves many answers unsure.
+    pub const LEAST_WIDTH: f64 = 1e-12;
 
     /// The order of everything that can be measured of a checked scene.
     pub fn of(scene: Scene) -> Self {
         let is_possible = |statistic: &Statistic| match statistic {
             Statistic::Wada => scene.question.ask == QuestionName::First,
+            Statistic::Growth => can_grow(&scene).is_ok(),
             other => !other.needs_basins() || has_basins(scene.question.ask),
         };
         let of = Statistic::ALL.iter().map(|(one, ..)| *one).filter(is_possible).collect();
@@ -168,6 +169,27 @@ impl SurveyOrder {
             let why = format!("it must be at least {:e} to be measured", Self::LEAST_WIDTH);
             return Err(SceneError::new("width", self.scene.view.width.clone(), why));
         }
+        if let Some(secs) = self.apart_secs.filter(|secs| !Self::APART_SECS.contains(secs)) {
+            let allowed = format!("it must lie {} s", between(&Self::APART_SECS));
+            return Err(SceneError::new("apart", secs.to_string(), allowed));
+        }
+        if self.of.contains(&Statistic::Growth) {
+            can_grow(&self.scene)?;
+        }
         Ok(())
     }
+}
+
+/// Smallest budget for exponents of growth, in the pendulum's natural unit of time.
+const LEAST_GROWTH_UNITS: f64 = 10.0;
+
+/// Refuses scenes in which exponents of growth tell nothing.
+fn can_grow(scene: &Scene) -> Result<(), SceneError> {
+    let scene = growing(scene).checked()?;
+    let (secs, least) = (scene.question.budget.secs, LEAST_GROWTH_UNITS * scene.build.unit_secs());
+    if secs < least {
+        let allowed = format!("for growth to be measured it must be at least {least:.2} s");
+        return Err(SceneError::new("budget", secs.to_string(), allowed));
+    }
+    Ok(())
 }

@@ -1,4 +1,4 @@
-//! MeasuredCurves as plots in SVG.
+//! Curves as plots in SVG.
 
 use flipmap_estimate::Estimate;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};

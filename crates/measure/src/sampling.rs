@@ -45,6 +45,25 @@ pub(crate) enum Sampled {
     Section { energy: f64, groups: Vec<ReplicateRates> },
 }
 
+impl Sampled {
+    /// Returns true if it is of a stage: a kept file may be damaged or another's.
+    pub(crate) fn is_of(&self, stage: Stage) -> bool {
+        let replicates = REPLICATES as usize;
+        match (self, stage) {
+            (Sampled::Starts { .. }, Stage::Starts(_)) => true,
+            (Sampled::Pairs(pairs), Stage::PairsApart(_)) => pairs.groups.len() == replicates,
+            (Sampled::Boxes(boxes), Stage::BoxesOf(_)) => boxes.groups.len() == replicates,
+            (Sampled::Picture { classes, unsure }, Stage::Picture) => {
+                let count = PICTURE_SIDE.pow(2);
+                classes.len() == count as usize && unsure.iter().all(|index| *index < count)
+            }
+            (Sampled::Exponents(_), Stage::Exponents(_)) => true,
+            (Sampled::Section { groups, .. }, Stage::SectionAt(_)) => groups.len() == replicates,
+            _ => false,
+        }
+    }
+}
+
 /// Number of replicates of everything.
 pub(crate) const REPLICATES: u32 = 16;
 /// Number of decades of distances of pairs.
@@ -79,12 +98,14 @@ impl Stage {
         first.chain(exponents).chain(sections).collect()
     }
 
-    /// Returns true if double-double tells its starts apart.
-    pub(crate) fn is_resolved(self, scene: &Scene) -> bool {
+    /// Returns true if it is of use in a scene: double-double tells its starts apart, or energy is kept.
+    pub(crate) fn is_useful(self, scene: &Scene) -> bool {
         match self {
             Stage::PairsApart(decades) => distance_of(scene, decades) >= FINEST,
             Stage::BoxesOf(half_decades) => side_of(scene, half_decades) >= 10.0 * FINEST,
-            Stage::Starts(_) | Stage::Picture | Stage::Exponents(_) | Stage::SectionAt(_) => true,
+            // With friction, energy is not constant.
+            Stage::SectionAt(_) => !scene.build.has_friction(),
+            Stage::Starts(_) | Stage::Picture | Stage::Exponents(_) => true,
         }
     }
 
@@ -268,9 +289,9 @@ impl Sampler<'_> {
 }
 
 /// The length, in the units of the plane's axes, that distances are measured by: 1 rad for a view as wide
-/// as the torus.
+/// as the torus, and in proportion to the shorter side of any other.
 pub(crate) fn unit(scene: &Scene) -> f64 {
-    scene.view.width_rad().hi / std::f64::consts::TAU
+    scene.view.width_rad().hi / scene.view.stretch.max(1.0) / std::f64::consts::TAU
 }
 
 /// The distance of the pairs of a stage.
@@ -348,7 +369,7 @@ fn rates(samples: &Samples, range: std::ops::Range<usize>) -> ReplicateRates {
 }
 
 /// The scene with the question of growth.
-fn growing(scene: &Scene) -> Scene {
+pub(crate) fn growing(scene: &Scene) -> Scene {
     let mut growing = scene.clone();
     growing.question.ask = QuestionName::Growth;
     growing.question.at = None;

@@ -12,6 +12,9 @@ use crate::order::{MeasureError, Statistic, SurveyOrder};
 use crate::sampling::{Sampled, Stage};
 use crate::{SurveyFolder, page};
 
+/// Version whose samples are alike.
+const VERSION: &str = concat!("1 of ", env!("CARGO_PKG_VERSION"));
+
 /// A survey in progress.
 pub struct Survey {
     order: SurveyOrder,
@@ -30,6 +33,10 @@ impl Survey {
     pub fn within(order: SurveyOrder, folder: SurveyFolder) -> Result<Self, MeasureError> {
         let mut survey = Survey::new(order)?;
         survey.done = folder.read(&survey.key());
+        let stages = Stage::all();
+        survey.done.retain(|name, sampled| {
+            stages.iter().any(|stage| stage.name() == *name && sampled.is_of(*stage))
+        });
         survey.folder = Some(folder);
         Ok(survey)
     }
@@ -106,13 +113,13 @@ impl Survey {
     fn key(&self) -> String {
         let SurveyOrder { scene, samples, seed, apart_secs, .. } = &self.order;
         let text = Document::default().with_scene(scene.clone()).text();
-        sha256(format!("1\n{text}\n{samples}\n{seed}\n{apart_secs:?}").as_bytes())
+        sha256(format!("{VERSION}\n{text}\n{samples}\n{seed}\n{apart_secs:?}").as_bytes())
     }
 }
 
 /// The stages that some statistics of a scene need.
 fn stages_of(scene: &Scene, of: &[Statistic]) -> Vec<Stage> {
     let is_needed =
-        |stage: &Stage| stage.is_resolved(scene) && of.iter().any(|one| one.needs(*stage));
+        |stage: &Stage| stage.is_useful(scene) && of.iter().any(|one| one.needs(*stage));
     Stage::all().into_iter().filter(is_needed).collect()
 }

@@ -110,15 +110,13 @@ fn wada(wada: &Wada) -> Vec<Row> {
 fn growth(growth: &GrowthFindings) -> Vec<Row> {
     let bound = format!("below {:.3} 1/s", growth.view.bound);
     let row = |what: &str, number, remark: &str| Row::new("growth", what, number, remark);
-    let view = [
-        row("regular starts of the view", growth.view.regular, &bound),
-        row("mean exponent of the others", growth.view.mean, "1/s"),
-    ];
+    let regular = row("regular starts of the view", growth.view.regular, &bound);
+    let mean = growth.view.mean.map(|mean| row("mean exponent of the others", mean, "1/s"));
     let sections = growth.sections.iter().map(|section| {
         let what = format!("regular on the section of {:.3} J", section.energy);
         row(&what, section.regular, "above hanging at rest")
     });
-    view.into_iter().chain(sections).collect()
+    std::iter::once(regular).chain(mean).chain(sections).collect()
 }
 
 fn fat(fat: &FatFractal) -> [Row; 2] {

@@ -114,11 +114,20 @@ fn edges_of_the_home_map_are_rough() {
 
 #[test]
 fn flips_within_two_seconds_have_a_smooth_edge() {
-    let of = [Statistic::Entropy, Statistic::Fat, Statistic::Growth];
+    let of = [Statistic::Entropy, Statistic::Fat];
     let order = SurveyOrder { samples: 9600, ..order("[question]\nbudget = 2.0", &of) };
-    let names = ["entropy", "boundary-entropy", "growth", "sections", "fat"];
-    let fat = written(order, &names).fat.unwrap();
+    let fat = written(order, &["entropy", "fat"]).fat.unwrap();
     assert!(!fat.is_fat && fat.beta.contains(1.0), "{fat:?}");
+}
+
+#[test]
+fn motion_is_regular_at_low_energies_and_chaotic_at_middle_ones() {
+    let order =
+        SurveyOrder { samples: 9600, ..order("[question]\nbudget = 8.0", &[Statistic::Growth]) };
+    let growth = written(order, &["growth", "sections"]).growth.unwrap();
+    let regular: Vec<f64> = growth.sections.iter().map(|one| one.regular.value).collect();
+    assert!(regular[0] == 1.0 && regular[5] < 0.2 && regular[8] > regular[6], "{regular:?}");
+    assert!(growth.view.mean.is_some_and(|mean| (0.8..2.0).contains(&mean.value)), "{growth:?}");
 }
 
 #[test]
@@ -131,8 +140,11 @@ fn what_cannot_be_measured_is_refused_in_one_sentence() {
     assert!(refusal(state, Statistic::Areas).contains("needs a question with classes"));
     assert_eq!(refusal(state, Statistic::Growth), "");
     assert!(refusal(SHORT, Statistic::Wada).contains("three classes"));
-    let deep = "[view]\ncenter = [\"2\", \"1\"]\nwidth = \"1e-23\"";
-    assert!(refusal(deep, Statistic::Areas).contains("at least 1e-22"));
+    let still = "[pendulum]\ngravity = 0.0";
+    assert!(refusal(still, Statistic::Growth).contains("without gravity"), "it would never end");
+    assert!(refusal("[question]\nbudget = 0.2", Statistic::Growth).contains("3.19"));
+    let deep = "[view]\ncenter = [\"2\", \"1\"]\nwidth = \"1e-13\"";
+    assert!(refusal(deep, Statistic::Areas).contains("at least 1e-12"));
     let still = "[view]\ncenter = [\"0.1\", \"0.1\"]\nwidth = \"0.01\"";
     let one_class = found(&order(still, &[Statistic::Edges]), EngineKind::Cpu);
     assert!(one_class.missing[0].why.contains("same class"), "{one_class:?}");

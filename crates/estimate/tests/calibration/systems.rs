@@ -110,7 +110,7 @@ fn depth_of_gap(mut x: f64, parts: f64) -> u8 {
     0
 }
 
-/// PairCounts along x at decades of distance, in 16 groups.
+/// Pairs along x at decades of distance, in 16 groups.
 pub(crate) fn scales(system: System, decades: &[f64], per_group: u32, seed: u64) -> Vec<PairScale> {
     let scale = |(k, exponent): (usize, &f64)| {
         let epsilon = 10f64.powf(-exponent);
