@@ -150,6 +150,12 @@ impl SurveyOrder {
         SurveyOrder { scene, of, samples: 200_000, seed: 1, apart_secs: None }
     }
 
+    /// Seed of the places of a stage. Each seed has numbers of its own for all stages, so that surveys with
+    /// neighbouring seeds share no places.
+    pub(crate) fn seed_of(&self, stage: u64) -> u64 {
+        self.seed.wrapping_sub(1).wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1 + stage)
+    }
+
     /// Refuses what cannot be measured.
     pub(crate) fn check(&self) -> Result<(), SceneError> {
         let ask = self.scene.question.ask;

@@ -179,8 +179,12 @@ impl Sampler<'_> {
 
     fn starts(self, replicate: u32) -> StageResult {
         let count = self.order.samples / REPLICATES;
-        let points =
-            scattered_points(&self.order.scene, self.order.seed, replicate..replicate + 1, count);
+        let points = scattered_points(
+            &self.order.scene,
+            self.order.seed_of(0),
+            replicate..replicate + 1,
+            count,
+        );
         let (order, ask) = (self.order, self.ask());
         self.answer(&order.scene, &points, |samples| {
             let (mut counts, mut lives) = (ClassCounts::new(names(ask).len()), Lives::default());
@@ -204,10 +208,10 @@ impl Sampler<'_> {
     }
 
     fn pairs(self, decades: u32) -> StageResult {
-        let SurveyOrder { scene, samples, seed, apart_secs, .. } = self.order;
+        let SurveyOrder { scene, samples, apart_secs, .. } = self.order;
         let epsilon = distance_of(scene, decades);
         let count = (samples / 10 / REPLICATES).min(1 << 16);
-        let seed = seed.wrapping_add(1000 + u64::from(decades));
+        let seed = self.order.seed_of(1000 + u64::from(decades));
         // Half of the pairs lie side by side, half one above the other.
         let sizes = [[2, 1], [1, 2]];
         let points =
@@ -230,11 +234,11 @@ impl Sampler<'_> {
     }
 
     fn boxes(self, half_decades: u32) -> StageResult {
-        let SurveyOrder { scene, samples, seed, .. } = self.order;
+        let SurveyOrder { scene, samples, .. } = self.order;
         let side = side_of(scene, half_decades);
         let pixels = BOX_PIXELS * BOX_PIXELS;
         let count = (samples / 2 / pixels / REPLICATES).max(1);
-        let seed = seed.wrapping_add(2000 + u64::from(half_decades));
+        let seed = self.order.seed_of(2000 + u64::from(half_decades));
         let pixel = side / f64::from(BOX_PIXELS);
         let points = groups_of_points(scene, seed, count, |_| ([pixel; 2], [BOX_PIXELS; 2]));
         let ask = self.ask();
@@ -266,7 +270,7 @@ impl Sampler<'_> {
     fn exponents(self, replicate: u32) -> StageResult {
         let scene = growing(&self.order.scene);
         let count = (self.order.samples / VIEW_SHARE as u32 / REPLICATES).max(1);
-        let seed = self.order.seed.wrapping_add(3000);
+        let seed = self.order.seed_of(3000);
         let points = scattered_points(&scene, seed, replicate..replicate + 1, count);
         self.answer(&scene, &points, |samples| {
             Sampled::Exponents(rates(&samples, 0..samples.len()))
@@ -276,7 +280,7 @@ impl Sampler<'_> {
     fn section(self, place: u32) -> StageResult {
         let (scene, energy) = section_of(&self.order.scene, place);
         let count = (self.order.samples / SECTION_SHARE as u32 / REPLICATES).max(1);
-        let seed = self.order.seed.wrapping_add(4000 + u64::from(place));
+        let seed = self.order.seed_of(4000 + u64::from(place));
         let points = scattered_points(&scene, seed, 0..REPLICATES, count);
         self.answer(&scene, &points, |samples| {
             let group = |replicate: u32| {

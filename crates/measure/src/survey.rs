@@ -13,7 +13,7 @@ use crate::sampling::{Sampled, Stage};
 use crate::{SurveyFolder, page};
 
 /// Version whose samples are alike.
-const VERSION: &str = concat!("1 of ", env!("CARGO_PKG_VERSION"));
+const VERSION: &str = concat!("2 of ", env!("CARGO_PKG_VERSION"));
 
 /// A survey in progress.
 pub struct Survey {
