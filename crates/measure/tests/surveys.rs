@@ -35,7 +35,7 @@ fn seeds_sizes_and_engines_agree_within_their_intervals() {
     let all = [
         found(&more(4800, 1), EngineKind::Cpu),
         found(&more(4800, 2), EngineKind::Cpu),
-        found(&more(9600, 3), EngineKind::Cpu),
+        found(&more(48_000, 3), EngineKind::Cpu),
         found(&more(4800, 1), EngineKind::Gpu),
     ];
     let flips = all.each_ref().map(|found| found.areas.as_ref().unwrap().classes[0].1);
