@@ -108,7 +108,7 @@ def measure(
     and `high`.
     """
     run = _arguments.run({
-        "accuracy": None, "method": None, "step": None, "tolerance": None, "precision": None,
+        "accuracy": "exact", "method": None, "step": None, "tolerance": None, "precision": None,
         "verify": True, "engine": engine, "adapter": adapter, "threads": threads,
     })
     order = _arguments.survey(of, samples, seed, apart, folder)

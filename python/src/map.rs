@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use flipmap::{
-    Accuracy, Channel, ChoiceError, Document, EngineError, EngineKind, EngineRequest, IntegrationSetting, Renderer, RunSpec,
+    Channel, ChoiceError, Document, EngineError, EngineKind, EngineRequest, Renderer, RunSpec,
     RunTable, Samples,
 };
 use pyo3::exceptions::{PyMemoryError, PyRuntimeError};
@@ -49,18 +49,6 @@ impl Run {
             threads: self.threads,
             setting: spec.setting,
             verify: spec.verify,
-            ..EngineRequest::default()
-        })
-    }
-
-    /// Returns the request for checked answers, whatever the accuracy.
-    pub(crate) fn request_exact(&self) -> PyResult<EngineRequest> {
-        Ok(EngineRequest {
-            kind: self.kind()?,
-            adapter: self.adapter.clone(),
-            threads: self.threads,
-            setting: IntegrationSetting::Accuracy(Accuracy::Exact),
-            verify: true,
             ..EngineRequest::default()
         })
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use flipmap::{EngineRequest, Renderer};
+use flipmap::{EngineRequest, Renderer, RunSpec};
 use flipmap_measure::{MeasureError, Statistic, Survey, SurveyFolder, SurveyOrder};
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
@@ -34,7 +34,8 @@ pub(crate) fn measure(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let document = document(scene, &words)?.settled();
-    let request = run.request_exact()?.answering(&document.question);
+    let spec = RunSpec::resolve(run.words(RunSpec::DEFAULT_SIZE)).map_err(value_error)?;
+    let request = run.request(&spec)?.answering(&document.question);
     let mut survey = survey(SurveyOrder::of(document.scene()), &order)?;
     refuse_after_fork()?;
     let clock = Clock::new(progress, survey.extent()[1]);
@@ -47,14 +48,8 @@ pub(crate) fn measure(
 }
 
 fn survey(whole: SurveyOrder, order: &Order) -> PyResult<Survey> {
-    let named = |name: &String| {
-        let names = Statistic::ALL.map(|(_, name, _)| name).join(", ");
-        Statistic::named(name)
-            .ok_or_else(|| value_error(format!("`of` has '{name}'; it can have {names}")))
-    };
-    let mut of = order.of.iter().map(named).collect::<PyResult<Vec<_>>>()?;
-    of.sort_unstable();
-    of.dedup();
+    let refusal = |(name, why)| value_error(format!("`of` has '{name}'; {why}"));
+    let of = Statistic::named(&order.of).map_err(refusal)?;
     let (samples, most) = (order.samples, SurveyOrder::SAMPLES);
     if !most.contains(&samples) {
         let (least, most) = (most.start(), most.end());

@@ -10,7 +10,7 @@ use flipmap_measure::{
     Findings, MeasureError, Statistic, Survey, SurveyFolder, SurveyOrder, table,
 };
 use flipmap_render::tiles::Renderer;
-use flipmap_scene::{did_you_mean, in_a_row};
+use flipmap_scene::in_a_row;
 
 use super::exit::Exit;
 use super::options::{SceneOptions, number_of};
@@ -24,8 +24,8 @@ use super::watch::CommandLine;
 pub(super) struct Options {
     #[arg(long, value_name = "LIST", value_delimiter = ',', hide_possible_values = true,
           help = format!("What to measure (default: all that the question allows): {}",
-                         in_a_row(&Statistic::ALL.map(|(_, name, _)| name), "or")),
-          value_parser = Suggested(Statistic::ALL.map(|(_, name, _)| name).to_vec()))]
+                         in_a_row(&Statistic::ALL.map(|(name, _)| name), "or")),
+          value_parser = Suggested::of(&Statistic::ALL))]
     of: Vec<String>,
     /// Number of starts for areas and survival; everything else takes its share of it
     #[arg(long, value_name = "N", default_value_t = 200_000,
@@ -86,9 +86,8 @@ fn order(options: &Options) -> anyhow::Result<SurveyOrder> {
     let document = options.scene.document()?.settled();
     let mut order = SurveyOrder::of(document.scene());
     if !options.of.is_empty() {
-        order.of = options.of.iter().map(|name| named(name)).collect::<Result<_, _>>()?;
-        order.of.sort_unstable();
-        order.of.dedup();
+        let refusal = |(name, why)| Exit::Usage(format!("--of is '{name}'; {why}"));
+        order.of = Statistic::named(&options.of).map_err(refusal)?;
     }
     let apart = options.apart.as_deref();
     let apart_secs =
@@ -99,17 +98,6 @@ fn order(options: &Options) -> anyhow::Result<SurveyOrder> {
         apart_secs: apart_secs.transpose()?,
         ..order
     })
-}
-
-/// Returns the statistic with a name.
-fn named(name: &str) -> Result<Statistic, Exit> {
-    let names = Statistic::ALL.map(|(_, name, _)| name);
-    let refusal = || {
-        let allowed = in_a_row(&names, "or");
-        let hint = did_you_mean(&names, name);
-        Exit::Usage(format!("--of is '{name}'; it must be {allowed}{hint}"))
-    };
-    Statistic::named(name).ok_or_else(refusal)
 }
 
 /// Converts an error about a setting to a usage error.

@@ -117,8 +117,8 @@ pub fn tail(replicates: &[Lives], budget: f64) -> Result<Tail, EstimateError> {
         let events = &all[all.partition_point(|t| t <= since)..];
         LAWS.iter().map(|law| distance(law, events, *since, budget)).fold(f64::INFINITY, f64::min)
     };
-    let since =
-        (0..BEGINNINGS).map(begin).min_by(|a, b| misfit(a).total_cmp(&misfit(b))).unwrap_or(latest);
+    let tried = (0..BEGINNINGS).map(begin).map(|since| (misfit(&since), since));
+    let since = tried.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(latest, |(_, since)| since);
     let events = &all[all.partition_point(|t| *t <= since)..];
     let [rate, exponent] = LAWS.map(|law| {
         let of = |times: &[f64]| {

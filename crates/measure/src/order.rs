@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use flipmap_engine::EngineError;
 use flipmap_estimate::EstimateError;
 use flipmap_scene::question::QuestionName;
-use flipmap_scene::{Scene, SceneError, between};
+use flipmap_scene::{Scene, SceneError, between, named};
 use serde::{Deserialize, Serialize};
 
 use crate::basins::has_basins;
@@ -34,26 +34,34 @@ pub enum Statistic {
 }
 
 impl Statistic {
-    /// Every statistic with its name and what it is, in order.
-    pub const ALL: [(Statistic, &'static str, &'static str); 8] = [
-        (Statistic::Areas, "areas", "Share of each class, and of flips by time"),
-        (Statistic::Survival, "survival", "Share not yet flipped against time"),
-        (Statistic::Edges, "edges", "Uncertainty exponent and dimension of the edges"),
-        (Statistic::Boxes, "boxes", "Box-counting dimension of the edges"),
-        (Statistic::Entropy, "entropy", "Basin entropy and boundary basin entropy"),
-        (Statistic::Wada, "wada", "Whether three basins share one boundary"),
-        (Statistic::Growth, "growth", "Finite-time exponents and the share of regular starts"),
-        (Statistic::Fat, "fat", "Share of finely mixed boxes against their size"),
+    /// Every statistic with its name, in order.
+    pub const ALL: [(&'static str, Statistic); 8] = [
+        ("areas", Statistic::Areas),
+        ("survival", Statistic::Survival),
+        ("edges", Statistic::Edges),
+        ("boxes", Statistic::Boxes),
+        ("entropy", Statistic::Entropy),
+        ("wada", Statistic::Wada),
+        ("growth", Statistic::Growth),
+        ("fat", Statistic::Fat),
     ];
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
-        Statistic::ALL.iter().find(|(one, ..)| *one == self).map_or("", |(_, name, _)| name)
+        Statistic::ALL.iter().find(|(_, one)| *one == self).map_or("", |(name, _)| name)
     }
 
-    /// Returns the statistic with a name.
-    pub fn named(name: &str) -> Option<Self> {
-        Statistic::ALL.iter().find(|(_, known, _)| *known == name).map(|(one, ..)| *one)
+    /// Returns the statistics with these names, in order and each once, or a phrase that lists the
+    /// names and says which one was not among them.
+    pub fn named<S: AsRef<str>>(names: &[S]) -> Result<Vec<Self>, (&str, String)> {
+        let one = |name: &S| named("statistics", &Statistic::ALL, name.as_ref());
+        let mut all = Vec::new();
+        for name in names {
+            all.push(one(name).map_err(|why| (name.as_ref(), why))?);
+        }
+        all.sort_unstable();
+        all.dedup();
+        Ok(all)
     }
 
     /// Returns true if answers are sorted into classes for it.
@@ -146,7 +154,7 @@ impl SurveyOrder {
             Statistic::Growth => can_grow(&scene).is_ok(),
             other => !other.needs_basins() || has_basins(scene.question.ask),
         };
-        let of = Statistic::ALL.iter().map(|(one, ..)| *one).filter(is_possible).collect();
+        let of = Statistic::ALL.iter().map(|(_, one)| *one).filter(is_possible).collect();
         SurveyOrder { scene, of, samples: 200_000, seed: 1, apart_secs: None }
     }
 

@@ -76,10 +76,12 @@ const BOX_PIXELS: u32 = 5;
 pub(crate) const PICTURE_SIDE: u32 = 1024;
 /// Pixels along a side of the grid on which scattered starts lie.
 const GRID_SIDE: u32 = 1 << 31;
-/// The samples for one exponent of the view and of a section: a checked exponent takes as long as some
-/// hundred checked flips.
-const VIEW_SHARE: u64 = 64;
-const SECTION_SHARE: u64 = 320;
+/// Number of samples for one pair, one box, and one exponent of the view and of a section: a checked
+/// exponent takes as long as some hundred checked flips.
+const PAIR_SHARE: u32 = 10;
+const BOX_SHARE: u32 = 2 * BOX_PIXELS * BOX_PIXELS;
+const VIEW_SHARE: u32 = 64;
+const SECTION_SHARE: u32 = 320;
 /// Smallest distance between starts, in the units of the plane: angles in double-double have errors of
 /// 1e-31.
 const FINEST: f64 = 1e-27;
@@ -123,14 +125,14 @@ impl Stage {
 
     /// Number of starts that it computes.
     pub(crate) fn size(self, order: &SurveyOrder) -> u64 {
-        let samples = u64::from(order.samples);
+        let of_all = |share| u64::from(REPLICATES * per_replicate(order, share));
         match self {
-            Stage::Starts(_) => samples / u64::from(REPLICATES),
-            Stage::PairsApart(_) => samples / 5,
-            Stage::BoxesOf(_) => samples / 2,
+            Stage::Starts(_) => u64::from(per_replicate(order, 1)),
+            Stage::PairsApart(_) => 2 * of_all(PAIR_SHARE),
+            Stage::BoxesOf(_) => u64::from(BOX_PIXELS * BOX_PIXELS) * of_all(BOX_SHARE),
             Stage::Picture => u64::from(PICTURE_SIDE).pow(2),
-            Stage::Exponents(_) => samples / VIEW_SHARE / u64::from(REPLICATES),
-            Stage::SectionAt(_) => samples / SECTION_SHARE,
+            Stage::Exponents(_) => u64::from(per_replicate(order, VIEW_SHARE)),
+            Stage::SectionAt(_) => of_all(SECTION_SHARE),
         }
     }
 
@@ -178,7 +180,7 @@ impl Sampler<'_> {
     }
 
     fn starts(self, replicate: u32) -> StageResult {
-        let count = self.order.samples / REPLICATES;
+        let count = per_replicate(self.order, 1);
         let points = scattered_points(
             &self.order.scene,
             self.order.seed_of(0),
@@ -208,9 +210,9 @@ impl Sampler<'_> {
     }
 
     fn pairs(self, decades: u32) -> StageResult {
-        let SurveyOrder { scene, samples, apart_secs, .. } = self.order;
+        let SurveyOrder { scene, apart_secs, .. } = self.order;
         let epsilon = distance_of(scene, decades);
-        let count = (samples / 10 / REPLICATES).min(1 << 16);
+        let count = per_replicate(self.order, PAIR_SHARE);
         let seed = self.order.seed_of(1000 + u64::from(decades));
         // Half of the pairs lie side by side, half one above the other.
         let sizes = [[2, 1], [1, 2]];
@@ -234,10 +236,10 @@ impl Sampler<'_> {
     }
 
     fn boxes(self, half_decades: u32) -> StageResult {
-        let SurveyOrder { scene, samples, .. } = self.order;
+        let scene = &self.order.scene;
         let side = side_of(scene, half_decades);
         let pixels = BOX_PIXELS * BOX_PIXELS;
-        let count = (samples / 2 / pixels / REPLICATES).max(1);
+        let count = per_replicate(self.order, BOX_SHARE);
         let seed = self.order.seed_of(2000 + u64::from(half_decades));
         let pixel = side / f64::from(BOX_PIXELS);
         let points = groups_of_points(scene, seed, count, |_| ([pixel; 2], [BOX_PIXELS; 2]));
@@ -269,7 +271,7 @@ impl Sampler<'_> {
 
     fn exponents(self, replicate: u32) -> StageResult {
         let scene = growing(&self.order.scene);
-        let count = (self.order.samples / VIEW_SHARE as u32 / REPLICATES).max(1);
+        let count = per_replicate(self.order, VIEW_SHARE);
         let seed = self.order.seed_of(3000);
         let points = scattered_points(&scene, seed, replicate..replicate + 1, count);
         self.answer(&scene, &points, |samples| {
@@ -279,7 +281,7 @@ impl Sampler<'_> {
 
     fn section(self, place: u32) -> StageResult {
         let (scene, energy) = section_of(&self.order.scene, place);
-        let count = (self.order.samples / SECTION_SHARE as u32 / REPLICATES).max(1);
+        let count = per_replicate(self.order, SECTION_SHARE);
         let seed = self.order.seed_of(4000 + u64::from(place));
         let points = scattered_points(&scene, seed, 0..REPLICATES, count);
         self.answer(&scene, &points, |samples| {
@@ -290,6 +292,11 @@ impl Sampler<'_> {
             Sampled::Section { energy, groups: (0..REPLICATES).map(group).collect() }
         })
     }
+}
+
+/// Number of points in each replicate, if each takes the place of `share` samples.
+fn per_replicate(order: &SurveyOrder, share: u32) -> u32 {
+    (order.samples / REPLICATES / share).max(1)
 }
 
 /// The length, in the units of the plane's axes, that distances are measured by: 1 rad for a view as wide
@@ -376,7 +383,6 @@ fn rates(samples: &Samples, range: std::ops::Range<usize>) -> ReplicateRates {
 pub(crate) fn growing(scene: &Scene) -> Scene {
     let mut growing = scene.clone();
     growing.question.ask = QuestionName::Growth;
-    growing.question.at = None;
     growing.without_unused()
 }
 

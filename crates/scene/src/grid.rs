@@ -87,8 +87,7 @@ impl Grid {
             axis.map(|part| part * by)
         };
         let (right, up) = (scaled(self.right, sides[0]), scaled(self.up, sides[1]));
-        let has_cells = self.has_cells;
-        let leaf_plane = if has_cells { &self.exact_plane } else { &ExactPlane::AT_REST };
+        let leaf_plane = if self.has_cells { &self.exact_plane } else { &ExactPlane::AT_REST };
         Grid {
             size,
             center: exact_center.map(Exact::to_dd),
