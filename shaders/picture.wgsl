@@ -2,7 +2,7 @@
 //
 // A tile lies in a slot of an atlas, or in the slot's upper left as long as only some samples are
 // known. Each sample is one packed word: the value of its time or the colour of another answer, how
-// sure it is, and its status (counterpart: crates/window/src/canvas/sample.rs). Each quad says
+// sure it is, and its status (counterpart: crates/screen/src/canvas/sample.rs). Each quad says
 // which part of a slot is drawn where, and how much it covers what is beneath. Between samples, the
 // light of the four nearest is mixed, at most over a few pixels; where many samples lie in a pixel, the light of all of them.
 // Times are never mixed, because the mean of two flip times is the time of no pendulum.

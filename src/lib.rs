@@ -42,7 +42,7 @@
 //! # The crates
 //!
 //! Data flows one way, and a crate can use only those to its left:
-//! `numbers → pendulum → scene → engine → render → report`, `render → lab → window`,
+//! `numbers → pendulum → scene → engine → render → report`, `render → lab, screen → window`,
 //! `estimate → measure ← render`.
 //!
 //! | crate | contents |
@@ -54,6 +54,7 @@
 //! | [`flipmap_render`] | order of samples, pictures, films, traces, work in shards |
 //! | [`flipmap_report`] | speed against error, hard cases |
 //! | [`flipmap_estimate`], [`flipmap_measure`] | estimators with intervals, and surveys of scenes |
+//! | `flipmap_screen` | the camera, the drawn map, the flights of single pendulums |
 //! | `flipmap_lab`, `flipmap_window` | the live figures and the window, with the feature `window` |
 #![cfg_attr(not(test), warn(clippy::unwrap_used))]
 

@@ -124,8 +124,8 @@ impl SceneWords {
 
 fn scene_help() -> String {
     format!(
-        "A scene: a .toml, a .png written by flipmap, a location (flipmap:center=…), - for standard \
-         input, or built-in: {}",
+        "A scene: a .toml, a .png written by flipmap, a location (flipmap:center=…) or a link with \
+         one, - for standard input, or built-in: {}",
         BuiltIn::names()
     )
 }

@@ -4,8 +4,8 @@ use egui::{Event, Key, Modifiers, Role, pos2};
 use egui_kittest::kittest::Queryable;
 use flipmap_engine::IntegratorConfig;
 use flipmap_scene::{BuiltIn, Sampling, Scene};
+use flipmap_screen::camera::Camera;
 use flipmap_window::action::{Action, Look};
-use flipmap_window::camera::Camera;
 use flipmap_window::folders::Folders;
 use flipmap_window::model::{AppModel, WindowOptions};
 

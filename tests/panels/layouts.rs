@@ -9,11 +9,11 @@ use flipmap_engine::EngineKind;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::Scene;
+use flipmap_screen::pin_start::PinStart;
 use flipmap_window::folders::Folders;
 use flipmap_window::model::{AppModel, WindowOptions};
 use flipmap_window::panels::pendulum::pendulum_card;
 use flipmap_window::panels::status::{StatusLine, status_line};
-use flipmap_window::pin_start::PinStart;
 use flipmap_window::pins::{PinAction, Pins};
 use proptest::prelude::*;
 

@@ -9,8 +9,8 @@ use flipmap_engine::Trust;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::{Kind, PendulumSpec, Scene};
+use flipmap_screen::pin_start::PinStart;
 use flipmap_window::panels::pendulum::{FRAME, pendulum_card};
-use flipmap_window::pin_start::PinStart;
 use flipmap_window::pins::{PinAction, PinId, Pins};
 
 /// The panel's state, and all actions it has requested so far.

@@ -7,11 +7,12 @@
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::choice::{ChoiceError, Chosen};
 use super::depth::Following;
 use super::{Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, JobResult, Wait};
+use crate::clock::Instant;
 
 /// Length of one poll, after which the thread looks for new orders again.
 const TURN: Duration = Duration::from_millis(4);

@@ -38,6 +38,7 @@ pub mod adapters;
 pub mod background;
 mod cells;
 pub mod choice;
+pub mod clock;
 pub mod cpu;
 pub mod depth;
 mod end;
@@ -62,8 +63,8 @@ pub mod threads;
 pub mod trust;
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
-use std::time::Instant;
 
+use crate::clock::Instant;
 use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};

@@ -1,8 +1,9 @@
 //! One job, run to its end.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::{Engine, EngineError, EventSpec, IntegratorConfig, Job, JobResult, Keep, Starts, Wait};
+use crate::clock::Instant;
 
 /// Longest wait before `keep_going` is called again.
 const PATIENCE: Duration = Duration::from_millis(50);

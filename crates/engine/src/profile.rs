@@ -6,7 +6,6 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use etcetera::BaseStrategy;
 use serde::{Deserialize, Serialize};
@@ -19,6 +18,7 @@ use super::{
     Accuracy, Engine, EngineError, EngineKind, EventSpec, IntegratorConfig, Job, JobResult, Keep,
     Starts, Wait,
 };
+use crate::clock::Instant;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status, oracle};
 use flipmap_scene::{Fate, Grid, Scene};

@@ -1,6 +1,8 @@
 //! A scene as one line, to be copied and pasted:
 //! `flipmap:center=-1.66,0.1;width=0.4;budget=60;rule=either`.
 //!
+//! A link is the address of a page in a browser that shows the location after its `#`.
+//!
 //! The words are those of the command line. Centre and width are always present, the other words
 //! only where they differ from the defaults.
 
@@ -11,6 +13,8 @@ use super::{Scene, SceneError, Setting};
 
 /// Prefix of every location.
 const PREFIX: &str = "flipmap:";
+/// Address of the page in the links that the program copies; the page itself copies its own.
+pub const PAGE: &str = "https://flipmap.github.io/flipmap/";
 
 /// Reasons why a text is not a location.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -55,9 +59,16 @@ pub fn text(scene: &Scene) -> String {
     format!("{PREFIX}{}", parts.join(";"))
 }
 
-/// Reads a scene from one line; white space is allowed around the line and its parts.
+/// Returns the link to a page in a browser that shows the scene.
+pub fn link(scene: &Scene) -> String {
+    format!("{PAGE}#{}", text(scene))
+}
+
+/// Reads a scene from one line, a location or a link to any page with one; white space is allowed
+/// around the line and its parts.
 pub fn parse(text: &str) -> Result<Scene, LocationError> {
-    let text = text.trim();
+    let in_link = in_link(text);
+    let text = in_link.as_deref().unwrap_or(text).trim();
     let Some(parts) = text.strip_prefix(PREFIX) else { return three_numbers(text) };
     let mut scene = Scene::default();
     let mut said = Vec::new();
@@ -72,6 +83,23 @@ pub fn parse(text: &str) -> Result<Scene, LocationError> {
     }
     set_all(&mut scene, &said)?;
     Ok(scene.checked()?)
+}
+
+/// Returns the part of a link after its `#`, with the bytes that browsers write as `%` and two hex
+/// digits; none if the text is not the address of a page.
+fn in_link(text: &str) -> Option<String> {
+    let text = text.trim();
+    let is_address = ["http://", "https://", "file://"].iter().any(|kind| text.starts_with(kind));
+    let (_, part) = text.split_once('#').filter(|_| is_address)?;
+    let bytes = part.as_bytes();
+    let (mut plain, mut at) = (Vec::new(), 0);
+    while let Some(&byte) = bytes.get(at) {
+        let digits = part.get(at + 1..at + 3).filter(|_| byte == b'%');
+        let coded = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        plain.push(coded.unwrap_or(byte));
+        at += if coded.is_some() { 3 } else { 1 };
+    }
+    String::from_utf8(plain).ok()
 }
 
 fn known(key: &str) -> Result<Setting, LocationError> {
@@ -124,6 +152,21 @@ mod tests {
         let spaced = "flipmap: width = 0.4; rule = either; center = -1.66, 0.1; budget = 60";
         assert_eq!(parse(spaced), Ok(scene));
         assert_eq!(parse("flipmap:"), Ok(Scene::default()));
+    }
+
+    #[test]
+    fn a_link_is_read_whatever_page_it_names() {
+        let mut scene = Scene::default();
+        scene.view.center = ["-1.66".into(), "0.1".into()];
+        scene.view.width = "0.4".into();
+        assert_eq!(parse(&link(&scene)), Ok(scene.clone()));
+        let coded = "http://127.0.0.1:8000/page/?a=b#flipmap%3Acenter%3D-1.66%2C0.1;width=0.4 ";
+        assert_eq!(parse(coded), Ok(scene));
+        assert_eq!(parse("https://example.org/#flipmap:"), Ok(Scene::default()));
+        assert!(refused("https://example.org/#flipmap:width=0").contains("width is '0'"));
+        for text in ["https://example.org/#100%", "https://example.org/#%zz%e4", "page#flipmap:"] {
+            assert_eq!(parse(text), Err(LocationError::Foreign), "{text}");
+        }
     }
 
     #[test]
@@ -210,6 +253,7 @@ mod tests {
         fn nothing_pasted_is_too_odd(text in "\\PC*") {
             let _ = parse(&text);
             let _ = parse(&format!("flipmap:{text}"));
+            let _ = parse(&format!("https://example.org/#{text}"));
         }
     }
 }

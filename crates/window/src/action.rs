@@ -4,9 +4,7 @@ use std::path::PathBuf;
 
 use glam::DVec2;
 
-use super::camera::Camera;
 use super::colour_cycle::ColourCycle;
-use super::flight::playback::Playback;
 use super::pins::{PinAction, PinId};
 use super::sections::Section;
 use super::settings::{EdgeSamples, Layers, Theme};
@@ -17,6 +15,8 @@ use flipmap_lab::take_away::TakeAway;
 use flipmap_numbers::Exact;
 use flipmap_pendulum::State;
 use flipmap_scene::{Document, PictureTable, Scene};
+use flipmap_screen::camera::Camera;
+use flipmap_screen::flight::playback::Playback;
 
 /// A movement of the view. Points are measured from the middle of the canvas, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,6 +162,8 @@ pub enum Action {
     CopySetUp,
     /// Copies the location.
     CopyLocation,
+    /// Copies the link to a page that shows the location.
+    CopyLink,
     /// Centres the map on a start.
     Find([Exact; 2]),
     /// Keeps the notices for now, because the pointer is on them.

@@ -1,12 +1,12 @@
 //! Limits on the questions and planes of a window: an engine must be able to compute them, and
 //! neighbouring pixels must be different numbers.
 
-use super::camera::Camera;
 use super::integration::Integration;
 use super::state::AppState;
 use flipmap_engine::choice::EngineRequest;
 use flipmap_engine::{Cells, EngineKind, IntegratorConfig, Precision};
 use flipmap_scene::lattice::pitch_rad;
+use flipmap_screen::camera::Camera;
 
 impl AppState {
     /// Returns a request for an engine that answers the question with the settings of the panels:

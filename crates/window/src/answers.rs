@@ -1,11 +1,11 @@
 //! The answers that the map shows, for the pointer and for pins.
 
-use super::hover::{self, Answer};
 use super::state::AppState;
 use flipmap_engine::Assurance;
 use flipmap_numbers::Exact;
 use flipmap_pendulum::Outcome;
 use flipmap_render::tiles::explorer::Explorer;
+use flipmap_screen::hover::{self, Answer};
 
 impl AppState {
     /// Returns the answer that the map shows for the sample at a place.

@@ -4,10 +4,10 @@
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-use super::camera::Camera;
 use super::compute_service::Wake;
 use super::state::AppState;
 use flipmap_scene::{Budget, PendulumSpec, QuestionSettings, Scene};
+use flipmap_screen::camera::Camera;
 
 /// Returns a scene's question. Its budget is made automatic if it equals the guess for the scene's
 /// view.
@@ -102,8 +102,8 @@ impl AutoBudget {
 mod tests {
     use super::*;
     use crate::compute_service::woken;
-    use crate::reach::Reach;
     use flipmap_scene::View;
+    use flipmap_screen::reach::Reach;
     use std::time::Duration;
 
     #[test]

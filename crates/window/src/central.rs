@@ -5,18 +5,19 @@ use std::time::Duration;
 use egui::{Rect, Ui};
 
 use super::action::Action;
-use super::canvas::colours::{CardColours, gliding_colours};
 use super::commands::Command;
 use super::map::{Hovered, caption, map};
 use super::model::AppModel;
+use super::overlay;
 use super::panels::map_legend::map_legend;
 use super::panels::pendulum;
 use super::panels::toolbar::toolbar;
 use super::state::AppState;
-use super::{hover, overlay};
 use flipmap_pendulum::Rule;
 use flipmap_scene::palette::{AnswerColours, Ground};
 use flipmap_scene::{PendulumSpec, Plane, QuestionSettings, Scene, SceneError};
+use flipmap_screen::canvas::colours::{CardColours, gliding_colours};
+use flipmap_screen::hover;
 
 /// Time between looks for the denoised picture, while it is computed.
 const CALMED_EVERY: Duration = Duration::from_millis(100);

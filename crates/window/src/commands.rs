@@ -9,7 +9,6 @@ use glam::DVec2;
 
 use super::action::{Action, LabAction, Look};
 use super::favourites::DIGITS;
-use super::flight::playback::Playback;
 use super::light::switched;
 use super::panels::colours::any_palette;
 use super::sections::PANELS;
@@ -19,6 +18,7 @@ use flipmap_engine::Accuracy;
 use flipmap_lab::Figure;
 use flipmap_scene::palette::Palette;
 use flipmap_scene::{BUILT_IN, PictureTable};
+use flipmap_screen::flight::playback::Playback;
 
 /// An action with a name.
 pub(crate) struct Command {
@@ -160,7 +160,8 @@ fn doing(state: &AppState) -> Vec<Command> {
             .also("screenshot png export"),
         command("Copy the picture on the screen", ctrl(Key::C), Action::CopyPicture)
             .also("clipboard share"),
-        command("Copy the location", ctrl(Key::L), Action::CopyLocation).also("share link"),
+        command("Copy the location", ctrl(Key::L), Action::CopyLocation).also("share"),
+        command("Copy the link", [], Action::CopyLink).also("share browser page web address url"),
         command("Accuracy: lesson", [], accuracy(Accuracy::Lesson)),
         command("Accuracy: fast", [], accuracy(Accuracy::Fast)),
         command("Accuracy: balanced", [], accuracy(Accuracy::Balanced)),

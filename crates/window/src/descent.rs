@@ -6,18 +6,18 @@ use std::sync::mpsc::SyncSender;
 
 use super::action::{Action, Look};
 use super::background_work::BackgroundWork;
-use super::camera::Camera;
 use super::compute_service::Wake;
 use super::dive::DivePace;
 use super::film::Films;
 use super::panels::descent::DescentAction;
-use super::reach::Reach;
 use super::state::AppState;
 use flipmap_engine::choice::{ChoiceError, EngineRequest, choose};
 use flipmap_engine::{EngineError, EngineKind};
 use flipmap_render::tiles::descent::{Descent, DescentStep};
 use flipmap_render::tiles::view_target::ViewTarget;
 use flipmap_scene::{Budget, Scene};
+use flipmap_screen::camera::Camera;
+use flipmap_screen::reach::Reach;
 
 /// Number of views that a descent is ahead of the window, so that the window never waits for one.
 const AHEAD: usize = 3;

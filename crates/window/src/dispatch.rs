@@ -7,7 +7,6 @@ use super::action::{Action, Look};
 use super::dialog::{DialogAnswer, FileDialog};
 use super::integration::Integration;
 use super::model::{AppModel, Asking};
-use super::pin_start::PinStart;
 use super::settings::Settings;
 use super::state::{AppState, Effect};
 use flipmap_engine::choice::EngineRequest;
@@ -15,6 +14,7 @@ use flipmap_engine::run_settings::RunSpec;
 use flipmap_numbers::Exact;
 use flipmap_render::output::{read_document, read_gradient};
 use flipmap_scene::PictureTable;
+use flipmap_screen::pin_start::PinStart;
 
 const NO_DIALOG: &str = "The desktop has no file dialog (no portal answers)";
 
@@ -39,6 +39,7 @@ impl AppModel {
             }
             Action::CopyPicture => Some(Effect::CopyPicture(shown())),
             Action::CopyLocation => Some(Effect::Copy(self.state.copied_location())),
+            Action::CopyLink => Some(Effect::Copy(self.state.copied_link())),
             Action::CopySetUp => {
                 self.state.notices.tell("The set-up was copied: paste it anywhere, or here.");
                 Some(Effect::Copy(self.lab.set_up_text()))
@@ -110,6 +111,7 @@ impl AppModel {
             Action::SavePicture
             | Action::CopyPicture
             | Action::CopyLocation
+            | Action::CopyLink
             | Action::CopySetUp
             | Action::FullScreen
             | Action::Wheel(..)

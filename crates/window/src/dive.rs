@@ -1,6 +1,6 @@
 //! The pace of a dive: how fast the camera zooms from one view of a descent to the next.
 
-use super::camera::{Camera, MovePace};
+use flipmap_screen::camera::{Camera, MovePace};
 
 /// Pace of a dive before the user changes it, in octaves of zoom per second.
 const OCTAVES_A_SEC: f64 = 0.9;
@@ -50,7 +50,7 @@ impl DivePace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reach::Reach;
+    use flipmap_screen::reach::Reach;
 
     #[test]
     fn a_dive_waits_for_its_views_but_never_halts() {

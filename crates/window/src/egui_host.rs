@@ -15,13 +15,13 @@ use winit::event_loop::{ActiveEventLoop, EventLoopProxy, OwnedDisplayHandle};
 use winit::window::Window;
 
 use super::arrivals::{FrameTime, FrameTimes};
-use super::canvas::LAYERS;
-use super::canvas::copied::CopiedPicture;
-use super::canvas::pipeline::Canvas;
 use super::clipboard::{ClipboardReader, Pasted, take_keys};
 use super::wake::Woken;
 use flipmap_engine::gpu::device::is_software;
 use flipmap_lab::typeface;
+use flipmap_screen::canvas::LAYERS;
+use flipmap_screen::canvas::copied::CopiedPicture;
+use flipmap_screen::canvas::pipeline::Canvas;
 
 /// The reason why nothing can be drawn in the window.
 #[derive(Debug, thiserror::Error)]

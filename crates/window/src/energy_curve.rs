@@ -3,12 +3,12 @@
 use egui::{Color32, Painter, Rect, Shape, Stroke};
 use glam::DVec2;
 
-use super::camera::Screen;
 use super::overlay::position;
 use flipmap_numbers::{Angle, Exact, Scalar};
 use flipmap_pendulum::Rule;
 use flipmap_scene::PendulumSpec;
 use flipmap_scene::palette::Rgb;
+use flipmap_screen::camera::Screen;
 
 /// Distance in points between the nodes at which the energy is evaluated.
 const CURVE_NODE: f64 = 8.0;
@@ -146,8 +146,8 @@ pub(crate) fn draw_curve(painter: &Painter, rect: Rect, lines: &[[DVec2; 2]], co
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Camera;
-    use crate::reach::Reach;
+    use flipmap_screen::camera::Camera;
+    use flipmap_screen::reach::Reach;
 
     fn screen(center: [&str; 2], width_rad: f64) -> Screen {
         let center = center.map(|text| Exact::parse(text).unwrap());

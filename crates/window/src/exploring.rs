@@ -6,17 +6,17 @@ use egui::load::SizedTexture;
 use egui::{TextureHandle, Ui, vec2};
 
 use super::action::{Action, Look};
-use super::camera::Camera;
 use super::finds::{Find, finds};
 use super::last_views::LastViews;
 use super::model::AppModel;
 use super::panels::tiles::{PlaceTile, place_tiles};
 use super::panels::whereabouts::whereabouts;
-use super::reach::Reach;
 use super::small_pictures::{ASPECT, SmallPictures};
 use flipmap_numbers::number_text::fixed;
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Budget, Document, Scene, View};
+use flipmap_screen::camera::Camera;
+use flipmap_screen::reach::Reach;
 
 /// Number of finds in a row of tiles.
 const FINDS_IN_ROW: usize = 3;

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use super::action::{Action, Look};
-use super::camera::Camera;
 use super::descent::DescentPath;
 use super::film_draft::FilmDraft;
 use super::film_run::{FilmCommand, FilmRequest};
-use super::reach::Reach;
 use super::state::AppState;
 use flipmap_scene::{Scene, View};
+use flipmap_screen::camera::Camera;
+use flipmap_screen::reach::Reach;
 
 /// Films in a window, and the descent that may become one.
 #[derive(Debug, Default)]

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::flight::playback::Playback;
 use flipmap_render::output::{Destination, SafeFile, read_text};
 use flipmap_scene::film::{Film, FilmError};
 use flipmap_scene::keys::{Easing, Key, Keys};
 use flipmap_scene::{Budget, Document, QuestionSettings, Scene};
+use flipmap_screen::flight::playback::Playback;
 
 /// How a film is shot, as it is kept between runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,10 +3,10 @@
 
 use glam::DVec2;
 
-use super::camera::{Camera, Screen};
-use super::view_samples;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::tiles::explorer::Explorer;
+use flipmap_screen::camera::{Camera, Screen};
+use flipmap_screen::samples_in_view;
 
 /// A place in the view, and the camera that shows it.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,7 +35,7 @@ const AROUND: f64 = 2.5;
 /// Returns what is worth a closer look in a view whose samples are known.
 pub(crate) fn finds(screen: &Screen, explorer: &mut Explorer) -> Vec<Find> {
     let rows = (f64::from(COLUMNS) * screen.size.y / screen.size.x).round().max(1.0) as u32;
-    let outcomes = view_samples::grid(screen, explorer, [COLUMNS, rows]);
+    let outcomes = samples_in_view::grid(screen, explorer, [COLUMNS, rows]);
     let grid = OutcomeGrid { outcomes, columns: COLUMNS as usize };
     let at = |place: DVec2, width_share: f64| {
         let point = (place - 0.5 * DVec2::new(f64::from(COLUMNS), f64::from(rows)))

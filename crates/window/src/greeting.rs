@@ -4,13 +4,13 @@
 use egui::{Align2, Area, Frame, Id, Rect, Ui, vec2};
 
 use super::action::Action;
-use super::flight::playback::Playback;
 use super::model::AppModel;
 use super::overlay;
 use super::panels::pendulum;
 use super::state::Dialog;
 use super::swing::HoverSwing;
 use flipmap_numbers::{Exact, Scalar};
+use flipmap_screen::flight::playback::Playback;
 
 /// Starts in rad on the home map, each with what its pendulum shows.
 const PENDULUMS: [([f64; 2], &str); 3] = [

@@ -1,11 +1,11 @@
 //! The flip times in view, for the histogram over a gradient.
 
-use super::camera::Camera;
 use super::state::AppState;
-use super::view_samples;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::Scene;
 use flipmap_scene::palette::Tones;
+use flipmap_screen::camera::Camera;
+use flipmap_screen::samples_in_view;
 
 /// Time in s between two looks at a view that is not complete.
 const PAUSE_SECS: f64 = 0.5;
@@ -33,7 +33,7 @@ impl TimesInView {
         if self.of.is_some() && (waits || (complete && self.of == of)) {
             return &self.times_secs;
         }
-        self.times_secs = view_samples::spread_times(&state.screen(), explorer);
+        self.times_secs = samples_in_view::spread_times(&state.screen(), explorer);
         (self.of, self.at_secs) = (of, state.now_secs);
         &self.times_secs
     }

@@ -1,9 +1,9 @@
 //! The history of what was shown, kept as a browser keeps pages.
 
-use super::camera::Camera;
 use super::pin_marks::PinMark;
 use super::state::AppState;
 use flipmap_scene::{Budget, PendulumSpec, PictureTable, Plane, QuestionSettings, Scene};
+use flipmap_screen::camera::Camera;
 
 /// What is shown, as far as the history brings it back.
 #[derive(Clone, Debug, PartialEq)]

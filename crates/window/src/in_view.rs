@@ -2,11 +2,11 @@
 
 use glam::DVec2;
 
-use super::camera::Screen;
 use flipmap_lab::flips::Seen;
 use flipmap_pendulum::Status;
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
 use flipmap_scene::lattice::{Placed, SIDE, pitch_rad};
+use flipmap_screen::camera::Screen;
 
 /// The counts of the view, and what they depend on.
 #[derive(Debug, Default)]
@@ -78,14 +78,14 @@ impl Places {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Camera;
-    use crate::reach::Reach;
     use flipmap_engine::mock::MockEngine;
     use flipmap_engine::{IntegratorConfig, Method, Precision};
     use flipmap_numbers::{Exact, Scalar};
     use flipmap_render::tiles::cache::TILE_BYTES;
     use flipmap_render::tiles::view_target::{Physics, ViewTarget};
     use flipmap_scene::Scene;
+    use flipmap_screen::camera::Camera;
+    use flipmap_screen::reach::Reach;
 
     fn look(explorer: &mut Explorer, center: [f64; 2], width_rad: f64) -> Screen {
         let center = center.map(Exact::from_f64);

@@ -1,11 +1,11 @@
 //! Incoming scenes: from files, bookmarks and pasted locations.
 
 use super::auto_budget::following;
-use super::camera::Camera;
-use super::reach::Reach;
 use super::state::AppState;
 use flipmap_engine::run_settings::RunSpec;
 use flipmap_scene::{Document, PictureTable, RunTable, Scene, location};
+use flipmap_screen::camera::Camera;
+use flipmap_screen::reach::Reach;
 
 impl AppState {
     /// Shows a document's pendulum, view and colours, with the accuracy that it states, if any.

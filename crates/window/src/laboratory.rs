@@ -7,11 +7,7 @@ use std::time::Duration;
 use egui::{Align2, ScrollArea, Ui, vec2};
 
 use super::action::{Action, LabAction};
-use super::camera::Camera;
-use super::hover;
 use super::model::AppModel;
-use super::panels::meant;
-use super::reach::Reach;
 use super::settings::Settings;
 use flipmap_lab::flips::explain;
 use flipmap_lab::take_away::TakeAway;
@@ -19,6 +15,10 @@ use flipmap_lab::{Figure, FigureRequest, set_up};
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::State;
 use flipmap_scene::{PendulumSpec, Plane, Scene};
+use flipmap_screen::camera::Camera;
+use flipmap_screen::hover;
+use flipmap_screen::meant;
+use flipmap_screen::reach::Reach;
 
 /// Width of the view that shows a start from the laboratory, as a fraction of the home view's.
 const PART: f64 = 1.0 / 16.0;

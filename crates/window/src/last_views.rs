@@ -4,13 +4,13 @@ use std::collections::VecDeque;
 
 use egui::{Context, TextureHandle};
 
-use super::camera::Camera;
 use super::state::AppState;
 use super::thumbs::loaded;
 use super::view_samples;
 use flipmap_render::output::Picture;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::{Document, Scene};
+use flipmap_screen::camera::Camera;
 
 /// A view seen before.
 pub(crate) struct SeenView {

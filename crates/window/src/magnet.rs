@@ -4,10 +4,10 @@
 use glam::DVec2;
 
 use super::action::{Action, Look};
-use super::camera::Screen;
 use super::model::AppModel;
-use super::view_samples;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_screen::camera::Screen;
+use flipmap_screen::samples_in_view;
 
 /// Number of places along each axis around the pointer that are looked at.
 const SIDE: usize = 13;
@@ -26,7 +26,7 @@ impl AppModel {
         let attracts = self.settings.magnet && factor > 1.0 && self.state.moving.is_none();
         let screen = self.state.screen();
         let explorer = &mut self.compute.explorer;
-        let mut outcome = |point| view_samples::outcome(&screen, explorer, point);
+        let mut outcome = |point| samples_in_view::outcome(&screen, explorer, point);
         let about = if attracts { attracted(&screen, about, &mut outcome) } else { about };
         Action::Look(Look::Zoom { factor, about })
     }

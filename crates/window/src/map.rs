@@ -4,11 +4,9 @@ use egui::{Align2, Color32, CornerRadius, Rect, Role, Sense, Stroke, StrokeKind,
 use glam::DVec2;
 
 use super::action::Action;
-use super::canvas::pipeline::MapFrame;
-use super::captions::{place_words, words_of};
 use super::energy_curve;
 use super::gesture::Gesture;
-use super::hover::Answer;
+use super::map_callback::MapCallback;
 use super::overlay::{self, PlacedLabel, position};
 use super::state::AppState;
 use super::{pin_drag, pin_paths};
@@ -17,6 +15,9 @@ use flipmap_numbers::number_text::significant;
 use flipmap_pendulum::Rule;
 use flipmap_scene::PendulumSpec;
 use flipmap_scene::palette::Ground;
+use flipmap_screen::canvas::pipeline::MapFrame;
+use flipmap_screen::captions::{place_words, words_of};
+use flipmap_screen::hover::Answer;
 
 /// The sample of the map under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +44,7 @@ pub(crate) fn map(
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
     let gesture = Gesture { lights: is_lighting(ui, state), ..gesture(ui, rect, &response) };
     let painter = ui.painter_at(rect);
-    painter.add(egui_wgpu::Callback::new_paint_callback(rect, frame));
+    painter.add(egui_wgpu::Callback::new_paint_callback(rect, MapCallback(frame)));
     draw_layers(&painter, rect, state, curve);
     pin_paths::draw(&painter, rect, state);
     draw_pins(&painter, rect, state);
@@ -236,7 +237,7 @@ pub(crate) fn caption(
     state: &AppState,
     (pointer, hovered): (DVec2, &Hovered),
 ) -> PlacedLabel {
-    let words = words_of(hovered, &state.scene(), state.screen().level());
+    let words = words_of((hovered.place, hovered.answer), &state.scene(), state.screen().level());
     let at = position(rect, pointer);
     if at.y > rect.bottom() - 60.0 {
         overlay::placed(painter, at + egui::vec2(14.0, -14.0), Align2::LEFT_BOTTOM, &words)
@@ -255,7 +256,8 @@ fn leave_focus(response: &egui::Response) {
 /// Returns the description of the map for screen readers.
 fn spoken(state: &AppState, hovered: Option<Hovered>) -> String {
     let (scene, camera) = (state.scene(), state.camera);
-    let here = hovered.map(|hovered| words_of(&hovered, &scene, state.screen().level()));
+    let level = state.screen().level();
+    let here = hovered.map(|at| words_of((at.place, at.answer), &scene, level));
     let here = here.unwrap_or_default();
     let place = place_words(&scene, camera.reach.coordinates(camera.center), 4);
     let [across, _] = scene.plane.axes();

@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 use egui::Ui;
 
 use super::action::Action;
-use super::canvas::MapRenderer;
 use super::commands::{choices, commands};
 use super::compute_service::{ComputeService, Wake};
 use super::dialog::FileDialog;
@@ -35,7 +34,6 @@ use super::places::Places;
 use super::saving::LastSave;
 use super::screen_picture::SavedPictures;
 use super::settings::{Appearance, Settings};
-use super::spread::ColourSpread;
 use super::state::{AppState, Effect};
 use super::store::{Loaded, Store};
 use super::swing::HoverSwing;
@@ -44,6 +42,8 @@ use flipmap_engine::run_settings::RunSpec;
 use flipmap_lab::{Figure, Lab};
 use flipmap_render::tiles::explorer::ViewProgress;
 use flipmap_scene::{BuiltIn, Document, RunTable};
+use flipmap_screen::canvas::MapRenderer;
+use flipmap_screen::spread::ColourSpread;
 
 /// Options for opening a window.
 #[derive(Clone, Debug)]
@@ -252,7 +252,10 @@ impl AppModel {
     pub(super) fn spread_colours(&mut self) -> bool {
         let progress = self.compute.explorer.progress();
         let complete = progress.idle && progress.wanted > 0;
-        self.spread.follow(&mut self.state, &mut self.compute.explorer, complete)
+        let (screen, scene) = (self.state.screen(), self.state.scene());
+        let at = (self.state.now_secs, complete);
+        let explorer = &mut self.compute.explorer;
+        self.spread.follow((&screen, &scene), &mut self.state.picture, explorer, at)
     }
 
     /// Returns the progress of the view.

@@ -3,9 +3,9 @@
 use glam::DVec2;
 
 use super::action::Look;
-use super::camera::{Camera, Move, MovePace};
 use super::state::AppState;
 use flipmap_numbers::Exact;
+use flipmap_screen::camera::{Camera, Move, MovePace};
 
 impl AppState {
     /// Returns true if neither the user nor a move in progress moves the map.

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use egui::{Align2, Color32, FontId, Galley, Painter, Pos2, Rect, Shape, Stroke, pos2};
 use glam::DVec2;
 
-use super::camera::Screen;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_render::tiles::explorer::MAX_CELLS;
 use flipmap_scene::Axis;
 use flipmap_scene::lattice::side_rad;
+use flipmap_screen::camera::Screen;
 
 /// Least distance in points between grid lines.
 const POINTS_APART: f64 = 130.0;
@@ -291,8 +291,8 @@ fn export_frame(rect: Rect, [width, height]: [u32; 2]) -> Rect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Camera;
-    use crate::reach::Reach;
+    use flipmap_screen::camera::Camera;
+    use flipmap_screen::reach::Reach;
 
     fn screen(center: [&str; 2], width_rad: f64) -> Screen {
         let center = center.map(|text| Exact::parse(text).unwrap());

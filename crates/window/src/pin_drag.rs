@@ -6,9 +6,9 @@ use super::action::Action;
 use super::gesture::Gesture;
 use super::model::AppModel;
 use super::pin_paths;
-use super::pin_start::PinStart;
 use super::pins::PinId;
 use super::state::AppState;
+use flipmap_screen::pin_start::PinStart;
 
 /// Distance in points from the middle of a pin's ring within which it is taken hold of.
 const REACH: f64 = 10.0;

@@ -1,7 +1,7 @@
 //! The pins as the history remembers them, without their flights.
 
-use super::pin_start::PinStart;
 use super::pins::{Badge, Pin, PinId, Pins};
+use flipmap_screen::pin_start::PinStart;
 
 /// What a pin is, without its flight.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,10 +5,10 @@ use std::f64::consts::{PI, TAU};
 use egui::{Color32, Painter, Rect, Shape, Stroke};
 use glam::DVec2;
 
-use super::camera::{Camera, Screen};
 use super::overlay::position;
 use super::state::AppState;
 use flipmap_numbers::{Exact, Scalar};
+use flipmap_screen::camera::{Camera, Screen};
 
 /// Number of points per line of equal opacity.
 const BAND: usize = 16;
@@ -85,7 +85,7 @@ fn on_canvas(screen: &Screen, line: &[DVec2], copy: DVec2) -> Vec<Vec<DVec2>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reach::Reach;
+    use flipmap_screen::reach::Reach;
 
     fn screen(width_rad: f64, size: DVec2) -> Screen {
         let camera = Camera { width_rad, ..Camera::whole(Reach::TORUS) };

@@ -2,11 +2,11 @@
 
 use egui::Color32;
 
-use super::flight::{Flight, Playback, Trail};
-use super::pin_start::PinStart;
 use flipmap_engine::{Assurance, EventSpec};
 use flipmap_pendulum::Outcome;
 use flipmap_scene::{PendulumSpec, Scene};
+use flipmap_screen::flight::{Flight, Playback, Trail};
+use flipmap_screen::pin_start::PinStart;
 
 /// Largest number of pins at once.
 pub(crate) const MAX_PINS: usize = 8;

@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use super::camera::Camera;
 use super::state::AppState;
+use flipmap_screen::camera::Camera;
 
 impl AppState {
     /// Sets the size of the canvas in points. Replaces the home view by that of the new size if it

@@ -7,12 +7,12 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use egui::ColorImage;
 
-use super::canvas::copied::CopiedPicture;
 use super::compute_service::Wake;
 use super::folders::free_beside;
 use super::model::AppModel;
 use flipmap_render::output::{PictureFile, RowPainter};
 use flipmap_scene::Document;
+use flipmap_screen::canvas::copied::CopiedPicture;
 
 /// Pictures that are being written.
 #[derive(Default)]

@@ -5,15 +5,12 @@ use std::path::PathBuf;
 use glam::DVec2;
 
 use super::auto_budget::following;
-use super::camera::{Camera, Move, Screen};
 use super::colour_cycle::ColourCycle;
 use super::favourites::ReplacedFavourite;
-use super::flight::playback::Playback;
 use super::history::{History, Snapshot};
 use super::integration::Integration;
 use super::notices::Notices;
 use super::pins::{PinAction, Pins};
-use super::reach::Reach;
 use super::sections::{Section, section_of};
 use super::settings::{Appearance, Layers};
 use flipmap_engine::IntegratorConfig;
@@ -21,6 +18,9 @@ use flipmap_engine::run_settings::RunSpec;
 use flipmap_numbers::Exact;
 use flipmap_render::tiles::view_target::{Physics, ViewTarget};
 use flipmap_scene::{Document, PendulumSpec, PictureTable, Plane, QuestionSettings, Scene, View};
+use flipmap_screen::camera::{Camera, Move, Screen};
+use flipmap_screen::flight::playback::Playback;
+use flipmap_screen::reach::Reach;
 
 /// A panel or window that opens over or beside the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -281,7 +281,7 @@ impl AppState {
     /// Returns the starts of the sample drawn at a point, and of its neighbour to the right.
     pub(super) fn pixel_at(&self, point: DVec2) -> [[Exact; 2]; 2] {
         let screen = self.screen();
-        super::hover::sample_at(screen.angle_at(point), screen.level())
+        flipmap_screen::hover::sample_at(screen.angle_at(point), screen.level())
     }
 
     /// Paints the map in other colours.
@@ -350,6 +350,12 @@ impl AppState {
     pub(super) fn copied_location(&mut self) -> String {
         self.notices.tell("The location was copied: paste it anywhere, or here.");
         flipmap_scene::location::text(&self.document().scene())
+    }
+
+    /// Returns the link to the location as a text, and tells the user that it was copied.
+    pub(super) fn copied_link(&mut self) -> String {
+        self.notices.tell("The link was copied: it shows this map in a browser, or here.");
+        flipmap_scene::location::link(&self.document().scene())
     }
 
     /// Closes whatever is open.

@@ -1,11 +1,11 @@
 //! The pendulum at the pointer: once the pointer rests on a start, a small pendulum swings from it.
 
-use super::pin_start::PinStart;
-use super::reach::Reach;
 use flipmap_numbers::Exact;
 use flipmap_pendulum::phase::{Phase, rk4};
 use flipmap_pendulum::{Pendulum, State};
 use flipmap_scene::Scene;
+use flipmap_screen::pin_start::PinStart;
+use flipmap_screen::reach::Reach;
 
 /// Time that the pointer rests before the pendulum is let go, s.
 const REST_SECS: f64 = 0.6;

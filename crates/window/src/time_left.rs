@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use super::camera::Camera;
 use flipmap_render::tiles::explorer::ViewProgress;
+use flipmap_screen::camera::Camera;
 
 /// The progress of the newest view since it was first aimed at.
 #[derive(Debug, Default)]
@@ -48,7 +48,7 @@ impl TimeLeft {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reach::Reach;
+    use flipmap_screen::reach::Reach;
 
     #[test]
     fn what_is_left_takes_as_long_as_what_was_done_and_another_view_begins_anew() {

@@ -1,15 +1,15 @@
-//! The known samples of the view: for a small picture of it, and for colours that fit it.
+//! The known samples of the view, for a small picture of it.
 
 use glam::DVec2;
 
-use super::camera::Screen;
-use super::hover::{Answer, known_near};
 use super::state::AppState;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_render::output::Picture;
 use flipmap_render::tiles::explorer::{Explorer, MAX_CELLS};
-use flipmap_scene::lattice::Cell;
-use flipmap_scene::palette::{AnswerColours, ViewTimes};
+use flipmap_scene::palette::AnswerColours;
+use flipmap_screen::camera::Screen;
+use flipmap_screen::hover::Answer;
+use flipmap_screen::samples_in_view::best_answer;
 
 /// Width and height of a bookmark's picture in pixels.
 const THUMBNAIL: [u32; 2] = [192, 144];
@@ -24,33 +24,6 @@ pub(crate) fn known_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> 
         }
     }
     times
-}
-
-/// Returns the outcome of the finest known sample at a point.
-pub(crate) fn outcome(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<Outcome> {
-    Some(best_answer(screen, explorer, point)?.outcome())
-}
-
-/// Returns the outcomes of the finest known samples at the middles of a grid over the whole screen,
-/// row by row from the top; none where nothing is known.
-pub(crate) fn grid(
-    screen: &Screen,
-    explorer: &mut Explorer,
-    [columns, rows]: [u32; 2],
-) -> Vec<Option<Outcome>> {
-    let step = screen.size / DVec2::new(f64::from(columns), f64::from(rows));
-    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
-    let point =
-        |place: [u32; 2]| DVec2::from(place.map(|k| f64::from(k) + 0.5)) * step - 0.5 * screen.size;
-    places.map(|place| outcome(screen, explorer, point(place))).collect()
-}
-
-/// Returns the known flip times in s at the places of the view's small picture.
-pub(crate) fn spread_times(screen: &Screen, explorer: &mut Explorer) -> Vec<f64> {
-    let size = ViewTimes::grid(screen.size.to_array().map(|side| side as u32));
-    let known = grid(screen, explorer, size).into_iter().flatten();
-    let flipped = known.filter(|outcome| outcome.status == Status::Answered);
-    flipped.map(|outcome| outcome.time).collect()
 }
 
 /// Returns what is shown as a small picture; it is grey if the question cannot be painted.
@@ -80,12 +53,4 @@ fn thumbnail(screen: &Screen, explorer: &mut Explorer, colours: &AnswerColours) 
         }
     }
     bytes
-}
-
-/// Returns the answer of the finest known sample at a point.
-fn best_answer(screen: &Screen, explorer: &mut Explorer, point: DVec2) -> Option<Answer> {
-    let angle = screen.angle_at(point);
-    let around = Cell::around(angle, screen.level());
-    let mut cells = std::iter::successors(Some(around), Cell::parent);
-    cells.find_map(|cell| known_near(explorer, cell, angle))
 }

@@ -3,7 +3,6 @@
 use std::cell::LazyCell;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
 
 use super::anchor::digits;
 use super::domain_splitting::{DomainSplitting, SplitRequest};
@@ -12,6 +11,7 @@ use super::following::Following;
 use super::lines::Lines;
 use super::part::PlacedStart;
 use super::stats::DepthStats;
+use crate::clock::Instant;
 use crate::{
     Deep, Effort, EventSpec, FinalState, IntegratorState, Job, JobResult, Moving, MovingStarts,
     Precision, Starts, WantedEnds,

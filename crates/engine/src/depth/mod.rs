@@ -51,7 +51,7 @@ use std::collections::{HashMap, VecDeque};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use self::followed_job::{PartialResult, Splittings, followed, splitting_of};
 pub use self::following::Following;
@@ -63,6 +63,7 @@ use super::{
     Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, JobResult, Keep, Moving,
     Starts, Wait, WantedEnds,
 };
+use crate::clock::Instant;
 
 /// An engine that follows deep starts for the engine that it wraps.
 pub struct DepthEngine<'a> {

@@ -1,13 +1,14 @@
 //! An adapter that wgpu finds, and the engines that are opened on it.
 
 use super::device::{Gpu, adapters, describe, is_one_device, is_software};
+use super::waiting::Waiting;
 use super::{GpuEngine, selfcheck};
 use crate::adapters::{AdapterFinding, GpuTuning};
 use crate::background::on_its_own_thread;
 use crate::choice::{Chosen, EngineRequest};
 use crate::depth::Following;
 use crate::level::{FAST_TO_COMPILE, FINEST};
-use crate::{Engine, EngineError, IntegratorConfig};
+use crate::{Engine, EngineError, IntegratorConfig, Precision};
 
 /// A graphics adapter.
 pub struct Adapter(wgpu::Adapter);
@@ -138,4 +139,16 @@ pub fn open_checked(
     let mut engine = GpuEngine::new(gpu, verdict);
     configs.iter().try_for_each(|config| engine.check_orbits(config))?;
     Ok(engine)
+}
+
+/// Returns an engine on an open device like [`open_checked`], where nothing may wait. Only the number
+/// types in `precisions` are checked, by single operations; the others are not trusted. Before a
+/// configuration is used, [`GpuEngine::check_orbits_by`] has to check its orbits.
+pub async fn judged(
+    gpu: Gpu,
+    precisions: &[Precision],
+    waiting: Waiting<'_>,
+) -> Result<GpuEngine, EngineError> {
+    let verdict = selfcheck::checked(&gpu, precisions, &|text| text, waiting).await?;
+    Ok(GpuEngine::new(gpu, verdict))
 }

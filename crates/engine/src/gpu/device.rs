@@ -3,9 +3,11 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
+use super::waiting::now;
 use crate::EngineError;
 
 /// An open device and the adapter it came from. Lives as long as the process, or until lost.
+#[derive(Clone)]
 pub struct Gpu {
     /// The adapter, to open the device again.
     pub adapter: wgpu::Adapter,
@@ -24,7 +26,8 @@ pub fn adapters() -> Vec<wgpu::Adapter> {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
     descriptor.backends = wgpu::Backends::PRIMARY;
     let instance = wgpu::Instance::new(descriptor);
-    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+    let mut adapters =
+        now(instance.enumerate_adapters(wgpu::Backends::PRIMARY)).unwrap_or_default();
     adapters.sort_by_key(|adapter| rank(&adapter.get_info()));
     adapters
 }
@@ -70,6 +73,14 @@ pub fn is_software(adapter: &wgpu::Adapter) -> bool {
 impl Gpu {
     /// Opens a device with f64 where the adapter has it and with the adapter's own limits.
     pub fn open(adapter: wgpu::Adapter) -> Result<Self, EngineError> {
+        let opened = now(Gpu::opening(adapter));
+        opened.unwrap_or_else(|| {
+            Err(EngineError::DeviceLost("it can only be opened by a new start".to_string()))
+        })
+    }
+
+    /// Opens a device like [`Gpu::open`], where nothing may wait.
+    pub async fn opening(adapter: wgpu::Adapter) -> Result<Self, EngineError> {
         let wanted =
             wgpu::Features::SHADER_F64 | wgpu::Features::SUBGROUP | wgpu::Features::TIMESTAMP_QUERY;
         let own = adapter.limits();
@@ -78,13 +89,14 @@ impl Gpu {
             max_storage_buffer_binding_size: own.max_storage_buffer_binding_size,
             ..wgpu::Limits::default()
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        let opened = adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("flipmap"),
             required_features: adapter.features() & wanted,
             required_limits: limits.or_worse_values_from(&own),
             ..Default::default()
-        }))
-        .map_err(|error| EngineError::DeviceLost(error.to_string()))?;
+        });
+        let (device, queue) =
+            opened.await.map_err(|error| EngineError::DeviceLost(error.to_string()))?;
         let lost = Arc::new(AtomicBool::new(false));
         let complaint = Arc::new(Mutex::new(None));
         device.set_device_lost_callback({
@@ -137,7 +149,7 @@ impl Gpu {
     }
 
     /// Returns true if the device can do nothing more.
-    pub(crate) fn is_lost(&self) -> bool {
+    pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
     }
 
@@ -184,7 +196,8 @@ impl Gpu {
             usage,
             mapped_at_creation: false,
         });
-        match pollster::block_on(scope.pop()) {
+        // Where nothing may wait, a missing buffer is reported with what is then done with it.
+        match now(scope.pop()).flatten() {
             Some(_) => Err(EngineError::OutOfMemory { mib: bytes.div_ceil(1 << 20) }),
             None => Ok(buffer),
         }

@@ -4,7 +4,8 @@
 use super::device::is_software;
 use super::kernel::Design;
 use super::kernels::CompileWhen;
-use super::selfcheck;
+use super::selfcheck::{self, cannot_wait};
+use super::waiting::{CAN_SLEEP, Waiting, now};
 use super::{GpuEngine, GpuTuning};
 use crate::adapters::{Check, Verdict};
 use crate::{EngineError, IntegratorConfig, WantedEnds};
@@ -38,13 +39,23 @@ impl GpuEngine {
     /// they are wrong, the device is no longer trusted with the precision or, for expansions, with
     /// the method.
     pub(crate) fn check_orbits(&mut self, config: &IntegratorConfig) -> Result<(), EngineError> {
+        now(self.check_orbits_by(config, Waiting::Sleep)).unwrap_or_else(|| Err(cannot_wait()))
+    }
+
+    /// Checks orbits by a configuration's method in its precision, unless that was done before, and
+    /// waits for the device as it is told.
+    pub async fn check_orbits_by(
+        &mut self,
+        config: &IntegratorConfig,
+        waiting: Waiting<'_>,
+    ) -> Result<(), EngineError> {
         let checked = (config.method.name(), config.precision);
         if self.checked.contains(&checked) {
             return Ok(());
         }
         self.checked.push(checked);
         let tuning = GpuTuning { at_once: false, ..self.tuning };
-        let checks = self.orbits(config, tuning);
+        let checks = self.orbits(config, tuning, waiting).await;
         if checks.is_err() {
             self.checked.pop();
         }
@@ -56,14 +67,18 @@ impl GpuEngine {
     }
 
     /// Computes the check of orbits with other settings, while jobs in flight wait.
-    fn orbits(
+    async fn orbits(
         &mut self,
         config: &IntegratorConfig,
         tuning: GpuTuning,
+        waiting: Waiting<'_>,
     ) -> Result<Vec<Check>, EngineError> {
+        if matches!(waiting, Waiting::Sleep) && !CAN_SLEEP {
+            return Err(cannot_wait());
+        }
         let (busy, losses) = (std::mem::take(&mut self.slots), self.losses);
         let own = std::mem::replace(&mut self.tuning, tuning);
-        let checks = selfcheck::orbits(self, &[*config]);
+        let checks = selfcheck::orbits_by(self, &[*config], waiting).await;
         self.tuning = own;
         if self.losses == losses {
             self.slots = busy;
@@ -85,7 +100,8 @@ impl GpuEngine {
             return Ok(*is_sound);
         }
         let tuning = GpuTuning { at_once: false, general: true, ..self.tuning };
-        let is_sound = self.orbits(config, tuning)?.iter().all(|check| check.passed);
+        let checks = now(self.orbits(config, tuning, Waiting::Sleep)).ok_or_else(cannot_wait)??;
+        let is_sound = checks.iter().all(|check| check.passed);
         self.generals.push((name, precision, is_sound));
         Ok(is_sound)
     }

@@ -8,12 +8,14 @@
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::device::Gpu;
 use super::kernel::Design;
 use super::pipeline::Kernel;
+use super::waiting::now;
 use crate::EngineError;
+use crate::clock::Instant;
 
 /// Largest number of kernels that an engine keeps. A picture needs one, its checks and the other
 /// questions of a scene a few more; dropping one costs only the time to compile it again.
@@ -237,7 +239,7 @@ fn compile(device: &wgpu::Device, wish: &CompileRequest) -> Result<Kernel, Strin
     let scopes = [Validation, OutOfMemory, Internal].map(|filter| device.push_error_scope(filter));
     let kernel = Kernel::compile(device, wish.design, wish.workgroup);
     // Every scope has to be closed, the innermost first.
-    let pops = scopes.into_iter().rev().map(|scope| pollster::block_on(scope.pop()));
+    let pops = scopes.into_iter().rev().map(|scope| now(scope.pop()).flatten());
     let errors: Vec<wgpu::Error> = pops.flatten().collect();
     errors.first().map_or(Ok(kernel), |error| Err(error.to_string()))
 }

@@ -19,12 +19,13 @@ pub mod selfcheck;
 pub mod shared;
 mod slot;
 mod symbol;
+mod waiting;
 
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-pub use self::adapter::{Adapter, open_checked};
+pub use self::adapter::{Adapter, judged, open_checked};
 use self::clock::StepClock;
 use self::device::Gpu;
 use self::kernel::Design;
@@ -33,7 +34,9 @@ use self::kernels::{CompileWhen, Kernels};
 use self::packing::Packer;
 use self::pipeline::Kernel;
 use self::slot::{BufferPool, FinishedSlices, Slot, SlotEvent};
+pub use self::waiting::Waiting;
 use crate::adapters::{GpuStats, GpuTuning, Verdict};
+use crate::clock::Instant;
 use crate::{
     Engine, EngineError, EngineKind, IntegratorConfig, Job, JobResult, Precision, Starts, Wait,
     start,
@@ -120,6 +123,13 @@ impl GpuEngine {
         let subgroups = self.tuning.subgroups && self.gpu.has_subgroups();
         let general = Design::general(config, self.verdict.compensated, subgroups)?;
         Ok(general.with_pairs(self.verdict.pairs))
+    }
+
+    /// Compiles the kernel that takes any scene in a configuration and drops it, where the driver
+    /// keeps what it has compiled.
+    pub fn compile_general(&self, config: &IntegratorConfig) -> Result<(), EngineError> {
+        Kernel::compile(&self.gpu.device, self.general(config)?, self.tuning.workgroup);
+        self.gpu.check()
     }
 
     fn design(&mut self, job: &Job) -> Result<Design, EngineError> {

@@ -12,10 +12,11 @@ use answers::{answers_df32, answers_f32, answers_f64};
 
 use super::device::Gpu;
 use super::kernel::selfcheck_text;
+use super::waiting::{Waiting, now};
 use crate::adapters::{BY_SERIES, Check, Pairs, Verdict};
 use crate::level::FINEST;
 use crate::{
-    Engine, EngineError, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, Wait,
+    Engine, EngineError, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts,
 };
 use flipmap_numbers::{Dd, Real};
 use flipmap_pendulum::{Outcome, Rule, oracle};
@@ -32,13 +33,32 @@ pub fn run(gpu: &Gpu) -> Result<Verdict, EngineError> {
 /// Runs all checks with the kernel's text changed by `edit`, so that a test can show that a wrong
 /// kernel is detected.
 pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, EngineError> {
+    const ALL: [Precision; 3] = [Precision::F32, Precision::Df32, Precision::F64];
+    now(checked(gpu, &ALL, edit, Waiting::Sleep)).unwrap_or_else(|| Err(cannot_wait()))
+}
+
+/// Checks the number types in `precisions`; the others are not trusted.
+pub(super) async fn checked(
+    gpu: &Gpu,
+    precisions: &[Precision],
+    edit: &dyn Fn(String) -> String,
+    waiting: Waiting<'_>,
+) -> Result<Verdict, EngineError> {
     let text = |precision| edit(selfcheck_text(precision, Pairs::default()));
-    let mut checks = judge(Precision::F32, &answers_f32(gpu, text(Precision::F32))?);
-    let (pairs, pair_checks) = cheapest_pairs(gpu, edit)?;
-    checks.extend(pair_checks);
-    if gpu.has_f64() {
-        checks.extend(judge(Precision::F64, &answers_f64(gpu, text(Precision::F64))?));
-    } else {
+    let (mut checks, mut pairs) = (Vec::new(), Pairs::default());
+    if precisions.contains(&Precision::F32) {
+        let answers = answers_f32(gpu, waiting, text(Precision::F32)).await?;
+        checks.extend(judge(Precision::F32, &answers));
+    }
+    if precisions.contains(&Precision::Df32) {
+        let (cheapest, pair_checks) = cheapest_pairs(gpu, edit, waiting).await?;
+        checks.extend(pair_checks);
+        pairs = cheapest;
+    }
+    if precisions.contains(&Precision::F64) && gpu.has_f64() {
+        let answers = answers_f64(gpu, waiting, text(Precision::F64)).await?;
+        checks.extend(judge(Precision::F64, &answers));
+    } else if precisions.contains(&Precision::F64) {
         checks.push(Check {
             precision: Precision::F64,
             name: "feature SHADER_F64",
@@ -51,14 +71,15 @@ pub fn run_with(gpu: &Gpu, edit: &dyn Fn(String) -> String) -> Result<Verdict, E
 
 /// Returns the cheapest arithmetic on pairs of f32 that passes all checks, or the last one if none
 /// does, with the results of its checks.
-fn cheapest_pairs(
+async fn cheapest_pairs(
     gpu: &Gpu,
     edit: &dyn Fn(String) -> String,
+    waiting: Waiting<'_>,
 ) -> Result<(Pairs, Vec<Check>), EngineError> {
     let mut last = (Pairs::default(), Vec::new());
     for pairs in Pairs::ALL {
         let text = edit(selfcheck_text(Precision::Df32, pairs));
-        last = (pairs, judge(Precision::Df32, &answers_df32(gpu, text)?));
+        last = (pairs, judge(Precision::Df32, &answers_df32(gpu, waiting, text).await?));
         if last.1.iter().all(|check| check.passed) {
             break;
         }
@@ -73,6 +94,20 @@ fn cheapest_pairs(
 pub fn orbits(
     engine: &mut dyn Engine,
     configs: &[IntegratorConfig],
+) -> Result<Vec<Check>, EngineError> {
+    now(orbits_by(engine, configs, Waiting::Sleep)).unwrap_or_else(|| Err(cannot_wait()))
+}
+
+/// The error of a check that a page in a browser has to make before it asks for pictures.
+pub(super) fn cannot_wait() -> EngineError {
+    EngineError::Unsupported("the device has not been checked for this method".to_string())
+}
+
+/// Checks orbits like [`orbits`], and waits for the engine as it is told.
+pub(super) async fn orbits_by(
+    engine: &mut dyn Engine,
+    configs: &[IntegratorConfig],
+    waiting: Waiting<'_>,
 ) -> Result<Vec<Check>, EngineError> {
     let budget_secs = ORBIT_BUDGET_SECS;
     let question =
@@ -89,7 +124,11 @@ pub fn orbits(
         if !engine.offers(&config) {
             continue;
         }
-        let finished = match engine.submit(job).and_then(|()| engine.poll(Wait::UntilFinished)) {
+        let finished = match engine.submit(job) {
+            Ok(()) => waiting.finished(engine).await,
+            Err(error) => Err(error),
+        };
+        let finished = match finished {
             // A driver may refuse the largest kernel and compile the others.
             Err(EngineError::Driver(detail)) if config.method == FINEST.method => {
                 let (precision, name) = (config.precision, BY_SERIES);

@@ -36,7 +36,6 @@ mod upload;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::time::Instant;
 
 use bytemuck::bytes_of;
 
@@ -47,6 +46,7 @@ use super::clock::Slices;
 use super::device::Gpu;
 use super::packing::{Packer, Packing};
 use super::pipeline::Kernel;
+use crate::clock::Instant;
 use crate::gpu::shared::{CountedOutcome, JobHead, PackedWork, Queue, RawOutcome, to_parts};
 use crate::pace::Pace;
 use crate::start::places;

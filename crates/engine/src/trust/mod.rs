@@ -30,8 +30,9 @@
 //! some are integrated directly ([`Opinion`]); unchecked pictures have an [`AccuracyEstimate`].
 
 use crate::EngineKind;
+use crate::clock::Instant;
 use std::collections::{HashMap, VecDeque};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::task::{FrameTask, TaskKind, WorkPiece};
 use super::{PartError, PartWriter, Task};
@@ -11,6 +11,7 @@ use crate::output::RowOrder;
 use crate::tiles::moments::Moments;
 use crate::tiles::patch_work::PatchWork;
 use crate::tiles::{Counts, Renderer, Samples, Work};
+use flipmap_engine::clock::Instant;
 use flipmap_engine::{Cells, Engine, EngineError};
 use flipmap_scene::lattice::Cell;
 

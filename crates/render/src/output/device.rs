@@ -89,7 +89,10 @@ impl Device {
         #[cfg(windows)]
         let owned =
             std::os::windows::io::AsHandle::as_handle(&io::stdout()).try_clone_to_owned()?;
-        Ok(Device(owned.into()))
+        #[cfg(any(unix, windows))]
+        return Ok(Device(owned.into()));
+        #[cfg(not(any(unix, windows)))]
+        Err(io::ErrorKind::Unsupported.into())
     }
 
     /// Waits until there is room for some bytes, or returns an error on a request to stop.

@@ -1,13 +1,12 @@
 //! The only path from a document to the files of a picture. The command line and the window's
 //! exports both use it; they differ only in how they choose an engine and display progress.
 
-use std::time::Instant;
-
 use super::render::{pass_samples, pass_work, render_pass};
 use super::{OutputError, Paths, RenderClock, RenderError, SinkPass, Sinks};
 use crate::Watch;
 use crate::tiles::{Counts, Renderer, SavedPixels, check_feasible};
 use flipmap_engine::Cells;
+use flipmap_engine::clock::Instant;
 use flipmap_engine::trust::Opinion;
 use flipmap_scene::{Document, SceneError};
 

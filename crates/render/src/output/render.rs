@@ -10,11 +10,12 @@
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::failure::{OutputError, RenderError};
 use super::{RowOrder, SinkPass, Sinks};
 use crate::tiles::{Counts, PlainPixels, Renderer, Samples, Work};
+use flipmap_engine::clock::Instant;
 use flipmap_engine::{Cells, Engine};
 use flipmap_scene::palette::AnswerColours;
 use flipmap_scene::{Document, Sampling};

@@ -17,7 +17,6 @@ mod morphing;
 mod needs;
 
 use std::collections::{HashMap, HashSet, VecDeque};
-use std::time::Instant;
 
 use self::batch::{Batch, BatchCell};
 use super::cache::{Cache, SampleSet};
@@ -29,6 +28,7 @@ use super::refinement::Refinement;
 use super::samples::Counts;
 use super::stride::Stride;
 use super::view_target::{Physics, ViewTarget};
+use flipmap_engine::clock::Instant;
 use flipmap_engine::{DepthStats, Engine, EngineError, Wait};
 use flipmap_scene::lattice::{Cell, SIDE};
 

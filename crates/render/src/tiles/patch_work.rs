@@ -1,13 +1,13 @@
 //! The computation of a film's patches.
 
 use std::collections::VecDeque;
-use std::time::Instant;
 
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::{OpenTile, Spacing};
 use super::patches::{PATCH_SAMPLES, PATCH_SIDE};
 use super::samples::{Counts, Samples};
 use super::stride::Stride;
+use flipmap_engine::clock::Instant;
 use flipmap_engine::{Engine, EngineError, EventSpec, IntegratorConfig, Wait};
 use flipmap_scene::Scene;
 use flipmap_scene::lattice::Cell;

@@ -1,13 +1,14 @@
 //! Answers at chosen pixels of any grids: points that are scattered over a region, and small groups of
 //! points around them.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::in_flight::{FinishedBatch, InFlightJobs, NextTile, TileSource};
 use super::open_tile::OpenTile;
 use super::reader::Reader;
 use super::{Renderer, Samples};
 use crate::Watch;
+use flipmap_engine::clock::Instant;
 use flipmap_engine::{EngineError, EventSpec, IntegratorConfig, Wait};
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Grid, Scene};

@@ -1,8 +1,9 @@
 //! A small picture of a scene, to choose the colours of a large one or the place to go deeper.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::{Counts, FinishedTile, Samples, Work};
+use flipmap_engine::clock::Instant;
 use flipmap_engine::{Engine, EngineError};
 
 /// Longest wait for the engine before `keep_going` is called again.

@@ -3,7 +3,6 @@
 use std::collections::{BTreeSet, VecDeque};
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Instant;
 
 use super::adaptive::PlainPixels;
 use super::feasible::follows_cells;
@@ -13,6 +12,7 @@ use super::plan::{Tile, plan};
 use super::reader::Reader;
 use super::samples::{Counts, Samples};
 use super::saved_pixels::{SavedPixel, SavedPixels};
+use flipmap_engine::clock::Instant;
 use flipmap_engine::{Assurance, Cells, Engine, EngineError, EventSpec, IntegratorConfig, Wait};
 use flipmap_pendulum::Status;
 use flipmap_scene::question::QuestionName;

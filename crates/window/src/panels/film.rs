@@ -6,8 +6,8 @@ use super::export::{ExportAction, ExportStatus, statuses};
 use super::field::number;
 use super::sentence::sentence;
 use crate::film_draft::FilmDraft;
-use crate::flight::playback::Playback;
 use flipmap_numbers::number_text::significant;
+use flipmap_screen::flight::playback::Playback;
 
 /// An action of the user in the panel.
 #[derive(Clone, Debug, PartialEq)]

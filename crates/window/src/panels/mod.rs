@@ -29,5 +29,3 @@ pub(crate) mod toolbar;
 pub(crate) mod view;
 pub(crate) mod whereabouts;
 pub(crate) mod window;
-
-pub(crate) use field::meant;

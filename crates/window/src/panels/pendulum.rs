@@ -8,10 +8,10 @@ use std::time::Duration;
 
 use egui::{Atom, Button, Response, Role, Slider, Stroke, Ui, WidgetInfo, vec2};
 
-use crate::flight::playback::SPEEDS;
 use crate::pins::{Pin, PinAction, Pins};
 use flipmap_lab::drawing::{CANVAS, FAINT, INK};
 use flipmap_numbers::number_text::fixed;
+use flipmap_screen::flight::playback::SPEEDS;
 
 pub(crate) use drawing::miniature;
 

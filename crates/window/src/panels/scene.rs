@@ -2,13 +2,14 @@
 
 use egui::{ComboBox, Grid, TextureId, Ui};
 
-use super::field::{meant, number};
+use super::field::number;
 use super::plane_diagram::plane_diagram;
 use super::question_tiles::question_tiles;
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
 use flipmap_scene::question::{QuestionName, Watches};
 use flipmap_scene::{Axis, Budget, Kind, PendulumSpec, Plane, PlaneKind, QuestionSettings, Scene};
+use flipmap_screen::meant;
 
 /// Shows the question, the pendulum and the plane; returns the scene if it has changed and can be
 /// computed. `texture` returns the picture of a question, by its place among all, if it is known.

@@ -3,7 +3,7 @@
 use egui::{Slider, Ui};
 
 use crate::action::Action;
-use crate::flight::playback::{Playback, SPEEDS};
+use flipmap_screen::flight::playback::{Playback, SPEEDS};
 
 /// Shows the clock of a map whose pendulums run for `budget_secs`; returns the action that changes
 /// it.

@@ -5,8 +5,8 @@ use egui::{Grid, Key, TextEdit, Ui};
 use super::field::plain;
 use super::sentence::sentence;
 use crate::action::{Action, Look};
-use crate::camera::Camera;
 use flipmap_scene::{Axis, View, in_rad};
+use flipmap_screen::camera::Camera;
 
 /// Texts that the user has typed but not yet gone to, in the order of the fields.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -7,11 +7,11 @@ use egui::{
 };
 
 use crate::action::{Action, Look};
-use crate::camera::Camera;
 use crate::small_pictures::ASPECT;
 use flipmap_numbers::number_text::significant;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::{BUILT_IN, Plane};
+use flipmap_screen::camera::Camera;
 
 /// Side of the small map in points.
 const SIDE: f32 = 128.0;

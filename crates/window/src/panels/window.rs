@@ -48,11 +48,12 @@ pub(crate) fn window_panel(ui: &mut Ui, state: &AppState, settings: &mut Setting
     let label = ui.label("Memory for places seen before, MiB (from the next start)");
     let slider = Slider::new(&mut settings.cache_mib, Settings::CACHE_MIB).logarithmic(true);
     ui.add(slider).labelled_by(label.id);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for (word, action) in [
             ("Keys (F1)", Action::Toggle(Dialog::Help)),
             ("Full screen (F11)", Action::FullScreen),
             ("Copy the location", Action::CopyLocation),
+            ("Copy the link", Action::CopyLink),
         ] {
             if ui.button(word).clicked() {
                 actions.push(action);

@@ -1,29 +1,45 @@
 //! A device's answers to the operations of the self-check, in each number type.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use super::{CheckResult, operands};
 use crate::EngineError;
 use crate::gpu::device::Gpu;
 use crate::gpu::pipeline::{bind, compute_pipeline, layout};
 use crate::gpu::shared::{from_parts, to_parts};
+use crate::gpu::waiting::Waiting;
 
 /// The device's answers in f32.
-pub(super) fn answers_f32(gpu: &Gpu, text: String) -> Result<Vec<CheckResult>, EngineError> {
+pub(super) async fn answers_f32(
+    gpu: &Gpu,
+    waiting: Waiting<'_>,
+    text: String,
+) -> Result<Vec<CheckResult>, EngineError> {
     let operands: Vec<f32> = operands().into_iter().flatten().map(|x| x as f32).collect();
-    let results: Vec<f32> = ask(gpu, text, &operands)?;
+    let results: Vec<f32> = ask(gpu, waiting, text, &operands).await?;
     Ok(pair_up(operands.into_iter().map(f64::from), results.into_iter().map(f64::from)))
 }
 
 /// The device's answers in pairs of f32.
-pub(super) fn answers_df32(gpu: &Gpu, text: String) -> Result<Vec<CheckResult>, EngineError> {
+pub(super) async fn answers_df32(
+    gpu: &Gpu,
+    waiting: Waiting<'_>,
+    text: String,
+) -> Result<Vec<CheckResult>, EngineError> {
     let operands: Vec<[f32; 2]> = operands().into_iter().flatten().map(to_parts).collect();
-    let results: Vec<[f32; 2]> = ask(gpu, text, &operands)?;
+    let results: Vec<[f32; 2]> = ask(gpu, waiting, text, &operands).await?;
     Ok(pair_up(operands.into_iter().map(from_parts), results.into_iter().map(from_parts)))
 }
 
 /// The device's answers in f64.
-pub(super) fn answers_f64(gpu: &Gpu, text: String) -> Result<Vec<CheckResult>, EngineError> {
+pub(super) async fn answers_f64(
+    gpu: &Gpu,
+    waiting: Waiting<'_>,
+    text: String,
+) -> Result<Vec<CheckResult>, EngineError> {
     let operands: Vec<f64> = operands().into_iter().flatten().collect();
-    let results: Vec<f64> = ask(gpu, text, &operands)?;
+    let results: Vec<f64> = ask(gpu, waiting, text, &operands).await?;
     Ok(pair_up(operands.into_iter(), results.into_iter()))
 }
 
@@ -42,7 +58,12 @@ fn pair_up(
 }
 
 /// Asks the device for seven answers to each pair of operands.
-fn ask<T: bytemuck::Pod>(gpu: &Gpu, text: String, operands: &[T]) -> Result<Vec<T>, EngineError> {
+async fn ask<T: bytemuck::Pod>(
+    gpu: &Gpu,
+    waiting: Waiting<'_>,
+    text: String,
+    operands: &[T],
+) -> Result<Vec<T>, EngineError> {
     use wgpu::BufferUsages as Usage;
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("selfcheck"),
@@ -66,10 +87,16 @@ fn ask<T: bytemuck::Pod>(gpu: &Gpu, text: String, operands: &[T]) -> Result<Vec<
     }
     encoder.copy_buffer_to_buffer(&output, 0, &back, 0, output.size());
     gpu.queue.submit([encoder.finish()]);
-    back.map_async(wgpu::MapMode::Read, .., |_| {});
-    let waited = gpu.device.poll(wgpu::PollType::wait_indefinitely());
-    gpu.check()?;
-    waited.map_err(|error| EngineError::Driver(error.to_string()))?;
+    let landed = Arc::new(AtomicBool::new(false));
+    back.map_async(wgpu::MapMode::Read, .., {
+        let landed = landed.clone();
+        move |_| landed.store(true, Ordering::Release)
+    });
+    while !landed.load(Ordering::Acquire) && !gpu.is_lost() {
+        let waited = waiting.once(&gpu.device).await;
+        gpu.check()?;
+        waited?;
+    }
     let view = back
         .slice(..)
         .get_mapped_range()

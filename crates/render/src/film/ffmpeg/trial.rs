@@ -5,10 +5,11 @@ use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::{Codec, Encoding, FfmpegError, FilmQuality, FrameFormat, spawned};
 use crate::output::{Destination, SafeFile};
+use flipmap_engine::clock::Instant;
 
 /// Time within which ffmpeg must have encoded a frame.
 const PATIENCE: Duration = Duration::from_secs(30);

@@ -129,8 +129,8 @@ fn no_tile_in(tiles: &Path) -> io::Result<Option<PathBuf>> {
 }
 
 /// Refuses a folder where another disk is mounted: a folder beside it cannot be renamed onto it.
+#[cfg(unix)]
 fn check_same_disk(path: &Path, folder: &Path) -> io::Result<()> {
-    #[cfg(unix)]
     if path.exists() {
         use std::os::unix::fs::MetadataExt;
         if path.metadata()?.dev() != folder.metadata()?.dev() {
@@ -138,6 +138,11 @@ fn check_same_disk(path: &Path, folder: &Path) -> io::Result<()> {
             return Err(io::Error::other(text));
         }
     }
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn check_same_disk(_: &Path, _: &Path) -> io::Result<()> {
     Ok(())
 }
 

@@ -2,13 +2,13 @@
 
 use egui::{Grid, RichText, Ui};
 
-use crate::flight::{Agreement, Flight, FlightEnding};
 use crate::pins::Pin;
 use flipmap_engine::Trust;
 use flipmap_numbers::number_text::{fixed, significant};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::separation::reading_at;
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_screen::flight::{Agreement, Flight, FlightEnding};
 
 /// Shows when the pendulum flips, and a warning if the map says otherwise.
 pub(super) fn headline(ui: &mut Ui, pin: &Pin) {

@@ -2,10 +2,11 @@
 //! back from the card and denoises it like a picture that is written to a file.
 
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::copied::CopiedPicture;
 use super::kept::{KeptPicture, KeptTarget};
+use flipmap_engine::clock::Instant;
 use flipmap_render::Denoiser;
 use flipmap_scene::palette::{Ground, Rgb};
 

@@ -11,7 +11,7 @@ use flipmap_scene::question::MAX_CHANNELS;
 
 /// The answer that the map shows for a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Answer {
+pub struct Answer {
     /// Status: [`Status::Answered`] if there is an answer.
     pub status: Status,
     /// Values of the question's channels, followed by zeros.
@@ -21,7 +21,7 @@ pub(crate) struct Answer {
 }
 
 /// Returns the places of the sample that a level draws at a place and of the one to its right.
-pub(crate) fn sample_at(angle: [Exact; 2], level: u32) -> [[Exact; 2]; 2] {
+pub fn sample_at(angle: [Exact; 2], level: u32) -> [[Exact; 2]; 2] {
     let cell = Cell::around(angle, level);
     let [column, row] = cell.sample_at(angle);
     let pixel = Turn::side(level + SIDE.ilog2()).to_theta() + Exact::pi();
@@ -35,7 +35,7 @@ pub(crate) fn sample_at(angle: [Exact; 2], level: u32) -> [[Exact; 2]; 2] {
 
 /// Returns the answer that the map shows for the sample at a place; none while only coarser samples
 /// are known. Flips after `until_secs`, if it is given, are not shown.
-pub(crate) fn answer_at(
+pub fn answer_at(
     explorer: &mut Explorer,
     angle: [Exact; 2],
     level: u32,
@@ -57,7 +57,7 @@ pub(crate) fn known_at(explorer: &mut Explorer, cell: Cell, angle: [Exact; 2]) -
 }
 
 /// Returns the known answer of the sample at a place inside a cell, or of the nearest known one.
-pub(crate) fn known_near(explorer: &mut Explorer, cell: Cell, angle: [Exact; 2]) -> Option<Answer> {
+pub fn known_near(explorer: &mut Explorer, cell: Cell, angle: [Exact; 2]) -> Option<Answer> {
     answer_of(explorer, cell, angle, |stride, place| Some(stride.nearest(place, SIDE)))
 }
 
@@ -80,7 +80,7 @@ fn answer_of(
 
 impl Answer {
     /// Returns the answer to a question about a time as an outcome.
-    pub(crate) fn outcome(&self) -> Outcome {
+    pub fn outcome(&self) -> Outcome {
         match self.status {
             Status::Answered => Outcome::flipped(self.values[0]),
             other => Outcome::without_time(other),

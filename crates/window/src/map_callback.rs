@@ -2,9 +2,12 @@
 
 use egui_wgpu::{CallbackResources, CallbackTrait, ScreenDescriptor};
 
-use super::pipeline::{Canvas, MapFrame};
+use flipmap_screen::canvas::pipeline::{Canvas, MapFrame};
 
-impl CallbackTrait for MapFrame {
+/// A frame of the map that egui passes to the canvas.
+pub(crate) struct MapCallback(pub MapFrame);
+
+impl CallbackTrait for MapCallback {
     fn prepare(
         &self,
         device: &wgpu::Device,
@@ -14,8 +17,9 @@ impl CallbackTrait for MapFrame {
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(canvas) = resources.get_mut::<Canvas>() {
-            canvas.load(device, queue, self);
-            canvas.draw(device, queue, self);
+            let MapCallback(frame) = self;
+            canvas.load(device, queue, frame);
+            canvas.draw(device, queue, frame);
         }
         Vec::new()
     }

@@ -9,15 +9,14 @@
 //! ([`calm`]).
 
 pub(crate) mod atlas;
-mod callback;
 pub(crate) mod calm;
-pub(crate) mod colours;
-pub(crate) mod copied;
+pub mod colours;
+pub mod copied;
 pub(crate) mod cover;
-pub(crate) mod fading;
-pub(crate) mod glide;
+pub mod fading;
+pub mod glide;
 pub(crate) mod kept;
-pub(crate) mod pipeline;
+pub mod pipeline;
 pub(crate) mod sample;
 
 use std::sync::Arc;
@@ -37,11 +36,11 @@ use flipmap_scene::lattice::SIDE;
 use flipmap_scene::palette::Ground;
 
 /// Number of layers of the atlas: enough for one tile per cell in view.
-pub(crate) const LAYERS: u32 = MAX_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
+pub const LAYERS: u32 = MAX_CELLS.div_ceil(atlas::SLOTS_IN_LAYER as usize) as u32;
 
 /// The map's state between frames.
 #[derive(Debug)]
-pub(crate) struct MapRenderer {
+pub struct MapRenderer {
     atlas: Atlas,
     table: Vec<u8>,
     words: Arc<WordKind>,
@@ -90,7 +89,7 @@ impl Default for MapRenderer {
 
 impl MapRenderer {
     /// Returns the frame that shows a screen in these colours.
-    pub(crate) fn frame(
+    pub fn frame(
         &mut self,
         screen: &Screen,
         explorer: &mut Explorer,
@@ -143,7 +142,7 @@ impl MapRenderer {
     }
 
     /// Returns true if another frame is needed to show the picture without its grain.
-    pub(crate) fn is_grainy(&self) -> bool {
+    pub fn is_grainy(&self) -> bool {
         self.ground.is_some() && self.is_grainy.load(Ordering::Acquire)
     }
 

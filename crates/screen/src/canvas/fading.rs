@@ -9,7 +9,7 @@ const FADE_SECS: f64 = 0.15;
 
 /// The tiles of the last frame, and the times at which they began to appear.
 #[derive(Debug, Default)]
-pub(crate) struct Fading {
+pub struct Fading {
     /// Time of the current frame on the window's clock, in s; none if nothing fades.
     now_secs: Option<f64>,
     last: DrawnCells,
@@ -28,14 +28,14 @@ struct DrawnCells {
 
 impl Fading {
     /// Begins a frame at a moment of the window's clock; without one, nothing fades.
-    pub(crate) fn begin(&mut self, now_secs: Option<f64>) {
+    pub fn begin(&mut self, now_secs: Option<f64>) {
         self.now_secs = now_secs;
         self.last = std::mem::take(&mut self.drawn);
         self.running = false;
     }
 
     /// Returns true if a tile of the frame has not yet fully appeared.
-    pub(crate) fn is_running(&self) -> bool {
+    pub fn is_running(&self) -> bool {
         self.running
     }
 

@@ -1,10 +1,11 @@
 //! The work of a flight's thread: it integrates a pendulum and its ghost side by side and hands the
 //! results over piece by piece.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::record::{FlightEnding, Flip, Record, Track};
 use flipmap_engine::EventSpec;
+use flipmap_engine::clock::Instant;
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::separation::{Reading, Ruler};
 use flipmap_pendulum::taylor::{Orbit, TaylorStep};
@@ -24,21 +25,17 @@ pub(crate) fn fly(
     mut hand_over: impl FnMut(Record) -> bool,
 ) {
     let mut pair = GhostPair::new(question, starts, until_secs);
-    let mut fresh = Record { readings: vec![pair.reading_at_release()], ..Record::default() };
-    let mut handed_over = Instant::now();
     loop {
-        fresh.ending = pair.advance(&mut fresh);
-        let ended = fresh.ending.is_some();
-        if ended || handed_over.elapsed() >= GATHERED {
-            if !hand_over(std::mem::take(&mut fresh)) || ended {
-                return;
-            }
-            handed_over = Instant::now();
+        let part = pair.part(GATHERED);
+        let ended = part.ending.is_some();
+        if !hand_over(part) || ended {
+            return;
         }
     }
 }
 
 /// One pendulum in flight, recorded as it goes.
+#[derive(Debug)]
 struct Flyer {
     orbit: Orbit<Dd>,
     /// The rule, while it can still be met.
@@ -72,7 +69,7 @@ impl Flyer {
 }
 
 /// Returns true if energy forbids a start ever to flip.
-pub(super) fn is_forbidden(pendulum: &Pendulum<Dd>, start: Launch, rule: Rule) -> bool {
+pub(crate) fn is_forbidden(pendulum: &Pendulum<Dd>, start: Launch, rule: Rule) -> bool {
     match rule {
         Rule::Neither => false,
         _ if start.is_at_rest() => pendulum.forbids(rule, start.angle),
@@ -91,7 +88,8 @@ fn flip_within(step: &TaylorStep<Dd>, rule: Rule) -> Option<Flip> {
 }
 
 /// The pendulum, its ghost, and the reference values of their readings.
-struct GhostPair {
+#[derive(Debug)]
+pub(crate) struct GhostPair {
     own: Flyer,
     ghost: Flyer,
     ghost_step: Option<TaylorStep<Dd>>,
@@ -99,10 +97,14 @@ struct GhostPair {
     pendulum: Pendulum<Dd>,
     energy: Dd,
     ruler: Ruler,
+    /// True before the reading at the release has been handed over.
+    begins: bool,
 }
 
 impl GhostPair {
-    fn new(question: &EventSpec, starts: [Launch; 2], until_secs: f64) -> Self {
+    /// Releases a pendulum at the first start and its ghost at the second, to be followed up to
+    /// `until_secs`.
+    pub(crate) fn new(question: &EventSpec, starts: [Launch; 2], until_secs: f64) -> Self {
         let pendulum: Pendulum<Dd> = question.build.pendulum_in();
         let [own, ghost] = starts.map(|start| Flyer::new(pendulum, start, question.rule));
         GhostPair {
@@ -113,10 +115,25 @@ impl GhostPair {
             until: Dd::new(until_secs),
             pendulum,
             ruler: Ruler::new(&question.build.pendulum()),
+            begins: true,
         }
     }
 
-    /// Advances the pendulum by a step and the ghost at least as far, then takes a reading.
+    /// Integrates for about `time` and returns the part of the record that this adds.
+    pub(crate) fn part(&mut self, time: Duration) -> Record {
+        let mut part = Record::default();
+        if std::mem::take(&mut self.begins) {
+            part.readings.push(self.reading_at_release());
+        }
+        let begun = Instant::now();
+        while part.ending.is_none() && begun.elapsed() < time {
+            part.ending = self.advance(&mut part);
+        }
+        part
+    }
+
+    /// Advances the pendulum by a step and the ghost at least as far, then takes a reading; returns
+    /// the reason if the record ends here.
     fn advance(&mut self, fresh: &mut Record) -> Option<FlightEnding> {
         let Some(step) = self.own.step(&mut fresh.own, self.until) else {
             return Some(FlightEnding::NotFinite);
@@ -137,6 +154,7 @@ impl GhostPair {
         (self.own.steps.max(self.ghost.steps) >= MAX_STEPS).then_some(FlightEnding::Full)
     }
 
+    /// Returns the reading at the release, with which a record begins.
     fn reading_at_release(&self) -> Reading {
         self.reading(Dd::new(0.0), &[*self.own.orbit.state(), *self.ghost.orbit.state()])
     }

@@ -8,7 +8,7 @@ pub(crate) const TOLERATED_SECS: f64 = 1e-3;
 
 /// The result of comparing two outcomes of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Agreement {
+pub enum Agreement {
     /// Equal statuses, and flip times within [`TOLERATED_SECS`].
     Same,
     /// Two flips at times that differ by this many seconds.
@@ -19,7 +19,7 @@ pub(crate) enum Agreement {
 
 impl Agreement {
     /// Compares the map's outcome with that of the gold standard.
-    pub(crate) fn of(told: &Outcome, flown: &Outcome<Dd>) -> Self {
+    pub fn of(told: &Outcome, flown: &Outcome<Dd>) -> Self {
         if told.status != flown.status {
             return Agreement::OtherStatus;
         }

@@ -1,9 +1,9 @@
-//! The camera: the view of the window, the mapping between points of the screen and of the plane,
+//! The camera: the view on the screen, the mapping between points of the screen and of the plane,
 //! and smooth moves.
 
 use glam::{DMat2, DVec2};
 
-use super::panels::meant;
+use super::meant;
 use super::reach::Reach;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::lattice::{DEEPEST, Region, pitch_rad};
@@ -24,10 +24,10 @@ pub struct Camera {
     pub reach: Reach,
 }
 
-/// Smallest and largest width that the window zooms to, in rad.
+/// Smallest and largest width that a camera zooms to, in rad.
 const MIN_WIDTH_RAD: f64 = MIN_WIDTH;
 const MAX_WIDTH_RAD: f64 = 4.0 * std::f64::consts::TAU;
-/// Largest factor by which the window stretches a map, either way. Samples are square, so a
+/// Largest factor by which a camera stretches a map, either way. Samples are square, so a
 /// stronger stretch would need too many of them for a screen.
 const MAX_STRETCH: f64 = 16.0;
 /// Share of the width by which cameras that show nearly the same differ at most.
@@ -40,7 +40,7 @@ const MAX_SAMPLE_PX: f64 = 2.0 / 1.3;
 
 impl Camera {
     /// Returns the camera for a checked view of a plane.
-    pub(crate) fn from_view(view: &View, reach: Reach) -> Self {
+    pub fn from_view(view: &View, reach: Reach) -> Self {
         Camera {
             center: reach.place(view.center_rad()),
             width_rad: view.width_rad().hi / reach.units(),
@@ -53,7 +53,7 @@ impl Camera {
 
     /// Returns the camera that first shows a plane on a canvas of this size: the whole torus, as in
     /// the home scene, or the middle of a plane that does not repeat.
-    pub(crate) fn home(reach: Reach, canvas: DVec2) -> Self {
+    pub fn home(reach: Reach, canvas: DVec2) -> Self {
         if reach != Reach::TORUS {
             return Camera::whole(reach);
         }
@@ -100,13 +100,13 @@ impl Camera {
     }
 
     /// Returns the camera zoomed by a factor about a point at an offset from the centre in rad.
-    pub(crate) fn zoomed(&self, factor: f64, about_rad: DVec2) -> Self {
+    pub fn zoomed(&self, factor: f64, about_rad: DVec2) -> Self {
         let zoomed = Camera { width_rad: self.width_rad / factor, ..*self }.within_reach();
         zoomed.moved(about_rad * (1.0 - zoomed.width_rad / self.width_rad))
     }
 
-    /// Returns the camera stretched by a factor, within the limits of the window.
-    pub(crate) fn stretched(&self, factor: f64) -> Self {
+    /// Returns the camera stretched by a factor, within its limits.
+    pub fn stretched(&self, factor: f64) -> Self {
         // A view from a file may be stretched beyond them.
         let (least, most) = (self.stretch.min(1.0 / MAX_STRETCH), self.stretch.max(MAX_STRETCH));
         Camera { stretch: (self.stretch * factor).clamp(least, most), ..*self }
@@ -114,7 +114,7 @@ impl Camera {
 
     /// Returns true if another camera shows nearly the same: its centre and its width differ by a
     /// twentieth of the width at most.
-    pub(crate) fn is_near(&self, other: &Camera) -> bool {
+    pub fn is_near(&self, other: &Camera) -> bool {
         let away = self.offset_of(other.center).length() / self.width_rad;
         let zoom = (self.width_rad / other.width_rad).ln().abs();
         self.reach == other.reach && away < NEAR && zoom < NEAR
@@ -126,7 +126,7 @@ impl Camera {
     }
 
     /// Returns the offset of another centre from this one, the short way round the torus, in rad.
-    pub(crate) fn offset_of(&self, angle: [Exact; 2]) -> DVec2 {
+    pub fn offset_of(&self, angle: [Exact; 2]) -> DVec2 {
         DVec2::from_array(self.reach.difference(angle, self.center))
     }
 }
@@ -145,7 +145,7 @@ pub struct Screen {
 
 impl Screen {
     /// Returns the offset from the centre, in rad, of a point on the screen.
-    pub(crate) fn offset_at(&self, point: DVec2) -> DVec2 {
+    pub fn offset_at(&self, point: DVec2) -> DVec2 {
         self.plane_from_screen() * point
     }
 
@@ -155,13 +155,13 @@ impl Screen {
     }
 
     /// Returns the point on the screen at an offset from the centre in rad.
-    pub(crate) fn point_of(&self, offset_rad: DVec2) -> DVec2 {
+    pub fn point_of(&self, offset_rad: DVec2) -> DVec2 {
         self.plane_from_screen().inverse() * offset_rad
     }
 
     /// Returns the camera with the map turned about the middle of the canvas, as if it had been
     /// dragged there from one point to another.
-    pub(crate) fn turned(&self, from: DVec2, to: DVec2) -> Camera {
+    pub fn turned(&self, from: DVec2, to: DVec2) -> Camera {
         let shown = DVec2::new(1.0, -1.0 / self.camera.stretch);
         let by = (shown * to).angle_to(shown * from).to_degrees();
         if by.is_nan() {
@@ -223,7 +223,7 @@ pub enum MovePace {
 
 impl MovePace {
     /// Returns the duration of a move in s.
-    pub(crate) fn secs(self) -> f64 {
+    pub fn secs(self) -> f64 {
         match self {
             MovePace::Quick => 0.25,
             MovePace::Even { secs } => secs,
@@ -242,7 +242,7 @@ impl MovePace {
 impl Move {
     /// Returns the camera at a moment, and true if the move is over. The width changes
     /// geometrically in eased time; a point that ends where it began stays there throughout.
-    pub(crate) fn at(&self, now_secs: f64) -> (Camera, bool) {
+    pub fn at(&self, now_secs: f64) -> (Camera, bool) {
         let t = ((now_secs - self.began_secs) / self.pace.secs()).clamp(0.0, 1.0);
         if t >= 1.0 {
             return (self.to, true);

@@ -11,11 +11,11 @@ const PATIENCE: Duration = Duration::from_secs(10);
 const ROW_UNIT: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
 
 /// A picture on its way from the card.
-pub(crate) struct CopiedPicture {
+pub struct CopiedPicture {
     /// Width and height in pixels.
     pub size_px: [u32; 2],
     /// True if the red of a pixel is its third byte.
-    pub is_reversed: bool,
+    pub(crate) is_reversed: bool,
     device: wgpu::Device,
     buffer: wgpu::Buffer,
     submission: wgpu::SubmissionIndex,
@@ -68,7 +68,7 @@ impl CopiedPicture {
     }
 
     /// Waits for the picture and returns its colours; none if the card does not answer.
-    pub(crate) fn colours(self) -> Option<Vec<Rgb>> {
+    pub fn colours(self) -> Option<Vec<Rgb>> {
         let is_reversed = self.is_reversed;
         let bytes = self.bytes()?;
         let (pixels, _) = bytes.as_chunks::<4>();

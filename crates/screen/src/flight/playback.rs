@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 /// Range of playback speeds, in simulated seconds per second.
-pub(crate) const SPEEDS: RangeInclusive<f64> = 0.1..=10.0;
+pub const SPEEDS: RangeInclusive<f64> = 0.1..=10.0;
 
 /// The playback state of a watched flight: its time, speed, and whether it plays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ impl Default for Playback {
 
 impl Playback {
     /// Returns a playback that is paused at the release.
-    pub(crate) fn at_rest() -> Self {
+    pub fn at_rest() -> Self {
         Playback { playing: false, ..Playback::default() }
     }
 
@@ -32,7 +32,7 @@ impl Playback {
     }
 
     /// Playback speed in simulated seconds per second.
-    pub(crate) fn speed(&self) -> f64 {
+    pub fn speed(&self) -> f64 {
         self.speed
     }
 
@@ -43,7 +43,7 @@ impl Playback {
 
     /// Advances by `elapsed_secs` of real time in a flight known up to `end_secs`. Stops at the end
     /// of a `complete` flight; waits for more at the end of an incomplete one.
-    pub(crate) fn advance(&mut self, elapsed_secs: f64, end_secs: f64, complete: bool) {
+    pub fn advance(&mut self, elapsed_secs: f64, end_secs: f64, complete: bool) {
         if self.playing {
             let ahead = self.time_secs + elapsed_secs * self.speed;
             self.time_secs = ahead.min(end_secs.max(self.time_secs));
@@ -55,7 +55,7 @@ impl Playback {
     }
 
     /// Resumes from the current time, or from the release if the playback had reached `end_secs`.
-    pub(crate) fn play(&mut self, end_secs: f64) {
+    pub fn play(&mut self, end_secs: f64) {
         if self.time_secs >= end_secs {
             self.time_secs = 0.0;
         }
@@ -63,23 +63,23 @@ impl Playback {
     }
 
     /// Stops at the current time.
-    pub(crate) fn pause(&mut self) {
+    pub fn pause(&mut self) {
         self.playing = false;
     }
 
     /// Plays from the release.
-    pub(crate) fn restart(&mut self) {
+    pub fn restart(&mut self) {
         self.time_secs = 0.0;
         self.playing = true;
     }
 
     /// Jumps to a moment, without starting or stopping the playback.
-    pub(crate) fn scrub(&mut self, secs: f64) {
+    pub fn scrub(&mut self, secs: f64) {
         self.time_secs = secs.max(0.0);
     }
 
     /// Sets the speed in simulated seconds per second, clamped to [`SPEEDS`].
-    pub(crate) fn set_speed(&mut self, speed: f64) {
+    pub fn set_speed(&mut self, speed: f64) {
         self.speed = speed.clamp(*SPEEDS.start(), *SPEEDS.end());
     }
 }

@@ -22,13 +22,13 @@ pub struct Trail {
 
 impl Trail {
     /// Creates the empty trail of a pendulum.
-    pub(crate) fn new(pendulum: &Pendulum<f64>) -> Self {
+    pub fn new(pendulum: &Pendulum<f64>) -> Self {
         let step_secs = UNITS * natural_secs(pendulum) / STEPS as f64;
         Trail { step_secs, first: 0, angles: VecDeque::new() }
     }
 
     /// Follows a motion up to a moment after the release, s.
-    pub(crate) fn follow(&mut self, motion: &Motion, until_secs: f64) {
+    pub fn follow(&mut self, motion: &Motion, until_secs: f64) {
         let last = (until_secs / self.step_secs).floor() as usize;
         let first = last.saturating_sub(STEPS);
         let end = self.first + self.angles.len();
@@ -47,14 +47,14 @@ impl Trail {
 
     /// Returns θ1 and θ2 in rad from the oldest point to the newest, each with its youth: 0 where
     /// the trail ends, 1 at the pendulum.
-    pub(crate) fn points(&self) -> impl Iterator<Item = ([f64; 2], f32)> {
+    pub fn points(&self) -> impl Iterator<Item = ([f64; 2], f32)> {
         let last = self.first + self.angles.len();
         let youth = move |step: usize| 1.0 - (last - 1 - step) as f32 / STEPS as f32;
         self.angles.iter().zip(self.first..).map(move |(angle, step)| (*angle, youth(step)))
     }
 
     /// Returns the time in s since the release at a point of this youth.
-    pub(crate) fn secs_at(&self, youth: f32) -> f64 {
+    pub fn secs_at(&self, youth: f32) -> f64 {
         let newest = (self.first + self.angles.len()).saturating_sub(1) as f64;
         (newest - f64::from(1.0 - youth) * STEPS as f64) * self.step_secs
     }

@@ -1,4 +1,4 @@
-//! The part of a plane of starts that the window can reach, and the scale of its lattice.
+//! The part of a plane of starts that a camera can reach, and the scale of its lattice.
 
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_scene::Scene;
@@ -18,23 +18,23 @@ impl Reach {
     pub const TORUS: Reach = Reach { doublings: 0, repeats: true };
 
     /// Returns the reach of a scene's plane.
-    pub(crate) fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         let doublings = scene.plane.lattice_doublings(&scene.build);
         Reach { doublings, repeats: scene.plane.is_torus() }
     }
 
     /// Returns the number of units of the axes in a lattice radian.
-    pub(crate) fn units(self) -> f64 {
+    pub fn units(self) -> f64 {
         2f64.powi(self.doublings as i32)
     }
 
     /// Returns the place of coordinates on the lattice, in lattice radians.
-    pub(crate) fn place(self, coordinates: [Exact; 2]) -> [Exact; 2] {
+    pub fn place(self, coordinates: [Exact; 2]) -> [Exact; 2] {
         self.inside(coordinates.map(|x| x.halved(self.doublings)))
     }
 
     /// Returns the coordinates of a place, in the units of the axes.
-    pub(crate) fn coordinates(self, place: [Exact; 2]) -> [Exact; 2] {
+    pub fn coordinates(self, place: [Exact; 2]) -> [Exact; 2] {
         place.map(|x| x.doubled(self.doublings))
     }
 

@@ -9,13 +9,13 @@ use flipmap_scene::{PictureTable, Scene, SceneError};
 
 /// A picture's colours in the form that the card takes.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct CardColours {
+pub struct CardColours {
     /// The values shared by all samples.
-    pub uniforms: Uniforms,
+    pub(crate) uniforms: Uniforms,
     /// The colour table's sRGB colours, four bytes each.
-    pub table: Vec<u8>,
+    pub(crate) table: Vec<u8>,
     /// Content of the words of samples.
-    pub words: WordKind,
+    pub(crate) words: WordKind,
 }
 
 /// Largest share of the palette between two entries of the table: an eighth of the step between two
@@ -40,7 +40,7 @@ struct Table {
 /// Returns the colours of a scene's picture while they glide: those of `shown`, whose times are
 /// moving towards the picture's. `trust` hatches uncertain pixels, and flips after `until_secs` are
 /// not shown. Fails if the picture cannot be painted.
-pub(crate) fn gliding_colours(
+pub fn gliding_colours(
     picture: &PictureTable,
     shown: &PictureTable,
     scene: &Scene,

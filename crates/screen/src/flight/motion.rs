@@ -72,12 +72,12 @@ impl Motion {
     }
 
     /// Seconds from the release to the end of the known motion.
-    pub(crate) fn end_secs(&self) -> f64 {
+    pub fn end_secs(&self) -> f64 {
         self.pieces.last().map_or(0.0, |piece| piece.end_secs)
     }
 
     /// Returns the state `secs` after the release; none outside the known motion.
-    pub(crate) fn state_at(&self, secs: f64) -> Option<State<f64>> {
+    pub fn state_at(&self, secs: f64) -> Option<State<f64>> {
         let after = self.pieces.partition_point(|piece| piece.start_secs <= secs);
         let piece = self.pieces.get(after.checked_sub(1)?)?;
         (secs <= piece.end_secs).then(|| piece.state_at(secs))

@@ -10,7 +10,7 @@ const STEPS: usize = 64;
 
 /// The range of times that is shown, while it changes to another.
 #[derive(Debug, Default)]
-pub(crate) struct Glide {
+pub struct Glide {
     to: Option<TimeScale>,
     /// Times in s at equal steps of the palette when the change began, and the beginning on the
     /// window's clock, in s.
@@ -20,7 +20,7 @@ pub(crate) struct Glide {
 impl Glide {
     /// Returns the picture to show at a moment of the window's clock while its colours change to
     /// `scale`, the picture's own; none if the change is over or if `moves` is false.
-    pub(crate) fn shown(
+    pub fn shown(
         &mut self,
         picture: &PictureTable,
         scale: &TimeScale,
@@ -43,7 +43,7 @@ impl Glide {
     }
 
     /// Returns true while the colours change.
-    pub(crate) fn is_under_way(&self) -> bool {
+    pub fn is_under_way(&self) -> bool {
         self.from.is_some()
     }
 

@@ -26,7 +26,7 @@ impl PinStart {
 
     /// Returns the starts of a pixel of a scene's plane and of its neighbour, from their places on
     /// the lattice; none where a section has no pendulum.
-    pub(crate) fn on_plane(scene: &Scene, reach: Reach, places: [[Exact; 2]; 2]) -> Option<Self> {
+    pub fn on_plane(scene: &Scene, reach: Reach, places: [[Exact; 2]; 2]) -> Option<Self> {
         if scene.plane.is_at_rest() {
             return Some(PinStart::at_rest(places));
         }

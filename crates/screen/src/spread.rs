@@ -1,10 +1,10 @@
 //! The colours of a view that is narrower than the home map, spread over its own times.
 
-use super::camera::Camera;
-use super::state::AppState;
-use super::view_samples;
+use super::camera::{Camera, Screen};
+use super::samples_in_view;
 use flipmap_render::tiles::explorer::Explorer;
 use flipmap_scene::palette::{ViewTimes, budget_range_secs};
+use flipmap_scene::{PictureTable, Scene};
 
 /// Time in s that passes between two changes of the colours while the view moves.
 const PAUSE_SECS: f64 = 0.1;
@@ -16,7 +16,7 @@ const NEAR: f64 = 0.02;
 
 /// The view over whose times the colours were last spread, if they follow the view.
 #[derive(Debug, Default)]
-pub(super) struct ColourSpread(Option<Spread>);
+pub struct ColourSpread(Option<Spread>);
 
 #[derive(Debug)]
 struct Spread {
@@ -32,36 +32,37 @@ struct Spread {
 
 impl ColourSpread {
     /// Returns the largest difference of the view's times in s, if the view is complete and flat.
-    pub(super) fn flat_secs(&self) -> Option<f64> {
+    pub fn flat_secs(&self) -> Option<f64> {
         self.0.as_ref().filter(|spread| spread.complete)?.flat_secs
     }
 
-    /// Spreads the palette over the flip times of a view as far as they are known, and again once
-    /// the view has moved or is `complete`. Times that the user chose are left alone. Returns true
-    /// if the colours have changed.
-    pub(super) fn follow(
+    /// Spreads the palette of a picture over the flip times of a screen's view as far as they are
+    /// known, and again once the view has moved or is `complete`. `now_secs` is the moment of a
+    /// clock. Times that the user chose are left alone. Returns true if the colours have changed.
+    pub fn follow(
         &mut self,
-        state: &mut AppState,
+        (screen, scene): (&Screen, &Scene),
+        picture: &mut PictureTable,
         explorer: &mut Explorer,
-        complete: bool,
+        (now_secs, complete): (f64, bool),
     ) -> bool {
-        let (camera, ask) = (state.camera, state.question.ask);
-        if !state.picture.follows_view() || !state.picture.paints_times(ask) {
+        let camera = screen.camera;
+        if !picture.follows_view() || !picture.paints_times(scene.question.ask) {
             self.0 = None;
             return false;
         }
         if ViewTimes::weight(camera.width_rad) == 0.0 {
             self.0 = None;
-            return paint(state, Vec::new());
+            return paint(picture, Vec::new());
         }
-        let holds = |spread: &&Spread| spread.holds(&camera, state.now_secs, complete);
+        let holds = |spread: &&Spread| spread.holds(&camera, now_secs, complete);
         if let Some(spread) = self.0.as_ref().filter(holds) {
             // Another palette or a step of the history may have come without them.
-            return paint(state, spread.times.clone());
+            return paint(picture, spread.times.clone());
         }
-        let times = view_samples::spread_times(&state.screen(), explorer);
+        let times = samples_in_view::spread_times(screen, explorer);
         let times = ViewTimes::new(times.into_iter());
-        let (unit_secs, budget_secs) = (state.build.unit_secs(), state.question.budget.secs);
+        let (unit_secs, budget_secs) = (scene.build.unit_secs(), scene.question.budget.secs);
         let budget_range_secs = budget_range_secs(unit_secs, budget_secs);
         let weight = ViewTimes::weight(camera.width_rad);
         let is_coarse = !complete && times.distinct() < FEW_TIMES;
@@ -69,16 +70,16 @@ impl ColourSpread {
             if is_coarse { Vec::new() } else { times.spread(weight, budget_range_secs) };
         if spread.is_empty() {
             // Where nothing flips yet, or a few samples fill the view, the colours wait for times.
-            spread.clone_from(&state.picture.times);
+            spread.clone_from(&picture.times);
         }
         self.0 = Some(Spread {
             flat_secs: times.flat_secs(),
             camera,
-            at_secs: state.now_secs,
+            at_secs: now_secs,
             complete,
             times: spread.clone(),
         });
-        paint(state, spread)
+        paint(picture, spread)
     }
 }
 
@@ -94,9 +95,9 @@ impl Spread {
 }
 
 /// Replaces the times of the colours by some of the view's own; returns true if they differ.
-fn paint(state: &mut AppState, times: Vec<f64>) -> bool {
-    state.picture.of_view = !times.is_empty();
-    let differ = state.picture.times != times;
-    state.picture.times = times;
+fn paint(picture: &mut PictureTable, times: Vec<f64>) -> bool {
+    picture.of_view = !times.is_empty();
+    let differ = picture.times != times;
+    picture.times = times;
     differ
 }

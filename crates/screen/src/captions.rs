@@ -1,7 +1,6 @@
 //! The caption at the pointer: where a sample starts, and what becomes of its pendulum.
 
 use super::hover::Answer;
-use super::map::Hovered;
 use super::reach::Reach;
 use flipmap_engine::Trust;
 use flipmap_numbers::number_text::fixed;
@@ -11,21 +10,26 @@ use flipmap_scene::lattice::pitch_rad;
 use flipmap_scene::question::{Channel, ChannelScale};
 use flipmap_scene::{PlaneKind, Scene};
 
-/// Describes a sample of a level: its coordinates on the scene's plane and its answer.
-pub(crate) fn words_of(hovered: &Hovered, scene: &Scene, level: u32) -> String {
+/// Describes the sample of a level at a place: its coordinates on the scene's plane and its answer,
+/// if it is known.
+pub fn words_of(
+    (place, answer): ([Exact; 2], Option<Answer>),
+    scene: &Scene,
+    level: u32,
+) -> String {
     let reach = Reach::of(scene);
     // Enough digits to tell neighbouring samples apart.
     let pitch = pitch_rad(level) * reach.units();
     let digits = (1.0 - pitch.log10()).ceil().max(2.0) as usize;
-    let place = place_words(scene, reach.coordinates(hovered.place), digits);
-    let fate = hovered.answer.map_or("being computed".to_string(), |answer| told(scene, &answer));
+    let place = place_words(scene, reach.coordinates(place), digits);
+    let fate = answer.map_or("being computed".to_string(), |answer| told(scene, &answer));
     // More than two numbers get a line of their own.
     let between = if scene.question.ask.kind().channels.len() > 2 { "\n" } else { " · " };
     format!("{place}{between}{fate}")
 }
 
 /// Formats the coordinates of a point of a scene's plane with their units.
-pub(crate) fn place_words(scene: &Scene, coordinates: [Exact; 2], digits: usize) -> String {
+pub fn place_words(scene: &Scene, coordinates: [Exact; 2], digits: usize) -> String {
     let axes = scene.plane.axes();
     let [x, y] = [0, 1].map(|i| {
         let value = coordinates[i];
@@ -96,7 +100,7 @@ mod tests {
     fn words_tell_the_fate_and_enough_digits() {
         let place = [-1.66, 0.1].map(Exact::from_f64);
         let home = Scene::default();
-        let words = |answer, level| words_of(&Hovered { place, answer }, &home, level);
+        let words = |answer, level| words_of((place, answer), &home, level);
         let flipped = answer(Status::Answered, &[3.21], Trust::Uncertain);
         assert_eq!(
             words(flipped, 4),
@@ -114,7 +118,7 @@ mod tests {
         let scene = Scene { question, plane, ..Scene::default() };
         let reach = Reach::of(&scene);
         let place = reach.place([7.0, -12.5].map(Exact::from_f64));
-        let words = |answer| words_of(&Hovered { place, answer }, &scene, 5);
+        let words = |answer| words_of((place, answer), &scene, 5);
         let first = answer(Status::Answered, &[2.0, 1.5], Trust::Agreed);
         // 7 rad is 7 − 2π.
         assert_eq!(words(first), "θ1 0.717 rad, ω1 -12.500 rad/s · bob 2, time 1.5000 s");

@@ -57,7 +57,7 @@ pub struct Record {
 
 impl Record {
     /// Appends a later part.
-    pub(crate) fn append(&mut self, mut later: Record) {
+    pub fn append(&mut self, mut later: Record) {
         self.own.append(later.own);
         self.ghost.append(later.ghost);
         self.readings.append(&mut later.readings);
@@ -65,7 +65,7 @@ impl Record {
     }
 
     /// Seconds up to which both motions are known.
-    pub(crate) fn end_secs(&self) -> f64 {
+    pub fn end_secs(&self) -> f64 {
         self.own.motion.end_secs().min(self.ghost.motion.end_secs())
     }
 }

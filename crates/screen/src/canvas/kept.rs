@@ -253,11 +253,13 @@ mod tests {
     use std::sync::Arc;
 
     use bytemuck::Zeroable;
+    use glam::DVec2;
 
     use super::*;
+    use crate::camera::Camera;
     use crate::canvas::pipeline::Upload;
     use crate::canvas::sample::WordKind;
-    use crate::state::tests::state;
+    use crate::reach::Reach;
     use flipmap_render::tiles::Samples;
 
     fn quad(slot: u32) -> Quad {
@@ -270,11 +272,16 @@ mod tests {
         CellQuads { whole: !quads.is_empty() && !slots.contains(&9), quads }
     }
 
+    fn screen() -> Screen {
+        let camera = Camera::whole(Reach::TORUS);
+        Screen { camera, size: DVec2::new(1280.0, 800.0), pixels_per_point: 1.0 }
+    }
+
     fn frame(slots: &[&[u32]], uploaded: &[u32]) -> MapFrame {
         let samples = Arc::new(Samples::unflipped(0));
         let upload = |slot| Upload { slot, samples: Arc::clone(&samples), side: 0 };
         MapFrame {
-            screen: state().screen(),
+            screen: screen(),
             mixes: true,
             cells: slots.iter().copied().map(cell).collect(),
             uploads: uploaded.iter().map(|&slot| upload(slot)).collect(),

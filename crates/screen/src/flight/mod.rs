@@ -1,29 +1,32 @@
 //! A flight: the pendulum of a pixel together with a ghost, the pendulum one pixel away.
 //!
-//! Both are integrated by the gold standard in double-double on a thread of the flight's own, so
-//! that the flight shows exactly the pixel's outcome. The thread hands over its results as it goes
-//! and wakes the window; they are stored as polynomials ([`motion`]), so that any moment can be
-//! shown at once. [`playback`] is the clock that sets the moment to show.
+//! Both are integrated by the gold standard in double-double, on a thread of the flight's own or,
+//! where there are no threads, a little at every call, so that the flight shows exactly the pixel's
+//! outcome. A thread hands over its results as it goes and wakes whoever shows them; they are stored
+//! as polynomials ([`motion`]), so that any moment can be shown at once. [`playback`] is the clock
+//! that sets the moment to show.
 
-pub(crate) mod agreement;
-pub(crate) mod motion;
-pub(crate) mod pilot;
-pub(crate) mod playback;
-pub(crate) mod record;
-pub(crate) mod trail;
+mod agreement;
+pub mod motion;
+mod pilot;
+pub mod playback;
+pub mod record;
+pub mod trail;
 
 use std::sync::mpsc::{self, Receiver, TryRecvError};
+use std::time::Duration;
 
-pub(crate) use self::agreement::Agreement;
-pub(crate) use self::playback::Playback;
-pub(crate) use self::record::{FlightEnding, Record, Track};
-pub(crate) use self::trail::Trail;
+pub use self::agreement::Agreement;
+use self::pilot::GhostPair;
+pub use self::playback::Playback;
+pub use self::record::{FlightEnding, Record, Track};
+pub use self::trail::Trail;
 use flipmap_engine::EventSpec;
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Launch, Outcome, Pendulum, Status};
 
 /// Shortest simulated duration of a flight, whatever the budget, in seconds.
-pub(crate) const MIN_SECS: f64 = 30.0;
+pub const MIN_SECS: f64 = 30.0;
 
 /// One flight, as far as it has come.
 #[derive(Debug)]
@@ -32,14 +35,26 @@ pub struct Flight {
     /// True for the pendulum and for its ghost, each if it can never flip.
     forbidden: [bool; 2],
     record: Record,
-    incoming: Receiver<Record>,
+    pilot: Pilot,
 }
+
+/// The integration of a flight.
+#[derive(Debug)]
+enum Pilot {
+    /// A thread integrates.
+    Elsewhere(Receiver<Record>),
+    /// Every call of [`Flight::receive`] integrates for a while.
+    Here(Box<GhostPair>),
+}
+
+/// Time for which a call of [`Flight::receive`] integrates where there are no threads.
+pub const SLICE: Duration = Duration::from_millis(5);
 
 impl Flight {
     /// Releases a pendulum at the first start and its ghost at the second. The flight's thread
     /// calls `wake` whenever [`Flight::receive`] has something to take. The thread ends with the
     /// flight, or soon after the flight is dropped.
-    pub(crate) fn launch(
+    pub fn launch(
         question: EventSpec,
         starts: [Launch; 2],
         wake: impl Fn() + Send + 'static,
@@ -57,16 +72,32 @@ impl Flight {
         if let Err(error) = std::thread::Builder::new().name("flight".into()).spawn(fly) {
             log::error!("no thread for a flight: {error}");
         }
+        Flight::of(question, starts, Pilot::Elsewhere(incoming))
+    }
+
+    /// Releases a pendulum at the first start and its ghost at the second, where there are no threads:
+    /// [`Flight::receive`] integrates them, a little at every call.
+    pub fn without_thread(question: EventSpec, starts: [Launch; 2]) -> Flight {
+        let until_secs = question.budget_secs.max(MIN_SECS);
+        let pair = GhostPair::new(&question, starts, until_secs);
+        Flight::of(question, starts, Pilot::Here(Box::new(pair)))
+    }
+
+    fn of(question: EventSpec, starts: [Launch; 2], pilot: Pilot) -> Flight {
         let exact: Pendulum<Dd> = question.build.pendulum_in();
         let forbidden = starts.map(|start| pilot::is_forbidden(&exact, start, question.rule));
-        Flight { question, forbidden, record: Record::default(), incoming }
+        Flight { question, forbidden, record: Record::default(), pilot }
     }
 
     /// Takes the parts handed over since the last call; returns true if there were any.
-    pub(crate) fn receive(&mut self) -> bool {
+    pub fn receive(&mut self) -> bool {
         let mut any = false;
         while self.record.ending.is_none() {
-            match self.incoming.try_recv() {
+            let part = match &mut self.pilot {
+                Pilot::Here(pair) => Ok(pair.part(SLICE)),
+                Pilot::Elsewhere(incoming) => incoming.try_recv(),
+            };
+            match part {
                 Ok(part) => self.record.append(part),
                 Err(TryRecvError::Empty) => break,
                 Err(TryRecvError::Disconnected) => {
@@ -74,6 +105,9 @@ impl Flight {
                 }
             }
             any = true;
+            if let Pilot::Here(_) = self.pilot {
+                break;
+            }
         }
         any
     }
@@ -84,7 +118,7 @@ impl Flight {
     }
 
     /// Returns the flight's question.
-    pub(crate) fn question(&self) -> &EventSpec {
+    pub fn question(&self) -> &EventSpec {
         &self.question
     }
 
@@ -94,7 +128,7 @@ impl Flight {
     }
 
     /// Returns the gold standard's outcome of the neighbouring pixel.
-    pub(crate) fn ghost_outcome(&self) -> Option<Outcome<Dd>> {
+    pub fn ghost_outcome(&self) -> Option<Outcome<Dd>> {
         self.outcome_of(&self.record.ghost, self.forbidden[1])
     }
 

@@ -106,33 +106,33 @@ pub(crate) struct Upload {
 }
 
 /// One frame of the map.
-pub(crate) struct MapFrame {
+pub struct MapFrame {
     /// The screen that is shown.
-    pub screen: Screen,
+    pub(crate) screen: Screen,
     /// True if the light of all samples in a pixel is mixed where there are many.
-    pub mixes: bool,
+    pub(crate) mixes: bool,
     /// The quads of every cell in view.
-    pub cells: Vec<CellQuads>,
+    pub(crate) cells: Vec<CellQuads>,
     /// Samples that are yet to be uploaded.
-    pub uploads: Vec<Upload>,
+    pub(crate) uploads: Vec<Upload>,
     /// The words that the samples become.
-    pub words: Arc<WordKind>,
+    pub(crate) words: Arc<WordKind>,
     /// Colours and marks.
-    pub uniforms: Uniforms,
+    pub(crate) uniforms: Uniforms,
     /// [`TABLE_ENTRIES`] sRGB colours of four bytes each, if they have changed.
-    pub table: Option<Vec<u8>>,
+    pub(crate) table: Option<Vec<u8>>,
     /// Width and height of the map in physical pixels.
     pub size_px: [u32; 2],
     /// The colours of pixels without an answer, if the picture is to be denoised.
-    pub ground: Option<Ground>,
+    pub(crate) ground: Option<Ground>,
     /// Set once the frame's data are on the card.
-    pub is_loaded: Arc<AtomicBool>,
+    pub(crate) is_loaded: Arc<AtomicBool>,
     /// True while the picture is to be denoised and is not: another frame is needed.
-    pub is_grainy: Arc<AtomicBool>,
+    pub(crate) is_grainy: Arc<AtomicBool>,
 }
 
-/// The resources on the card that live as long as the window's device.
-pub(crate) struct Canvas {
+/// The resources on the card that live as long as the graphics device.
+pub struct Canvas {
     /// Draws the samples of the view's own level.
     plain: Brush,
     /// Draws finer samples, too, at a higher cost per pixel.
@@ -163,17 +163,13 @@ const MAX_TAPS: u32 = 7;
 impl Canvas {
     /// Begins to copy the map as it is on the screen, without what is drawn over it; none before
     /// the first frame.
-    pub(crate) fn copied(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-    ) -> Option<CopiedPicture> {
+    pub fn copied(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Option<CopiedPicture> {
         let shown = self.calm.shown().or(self.kept.target())?;
         CopiedPicture::begin(device, queue, shown)
     }
 
     /// Creates the resources, with an atlas of `layers` layers, for a target format.
-    pub(crate) fn new(device: &wgpu::Device, target: wgpu::TextureFormat, layers: u32) -> Self {
+    pub fn new(device: &wgpu::Device, target: wgpu::TextureFormat, layers: u32) -> Self {
         let shader = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("picture"),
             source: wgpu::ShaderSource::Wgsl(shader().into()),
@@ -202,7 +198,7 @@ impl Canvas {
     }
 
     /// Uploads a frame's data to the card.
-    pub(crate) fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
+    pub fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
         for upload in &frame.uploads {
             self.upload(queue, upload, &frame.words.words(&upload.samples));
         }
@@ -261,7 +257,7 @@ impl Canvas {
     }
 
     /// Draws the loaded frame, as far as it is kept, and begins to denoise it once it rests.
-    pub(crate) fn draw(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
+    pub fn draw(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &MapFrame) {
         self.draw_kept(device, queue);
         let rests = self.on != DrawingSurface::Window;
         let ground = frame.ground.filter(|_| rests);
@@ -270,7 +266,7 @@ impl Canvas {
     }
 
     /// Shows the map in the viewport of a pass.
-    pub(crate) fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub fn show(&self, pass: &mut wgpu::RenderPass<'_>) {
         match self.on {
             DrawingSurface::Window => self.draw_quads(pass),
             DrawingSurface::Cleared | DrawingSurface::Kept => {
