@@ -20,7 +20,7 @@ pub(crate) fn rust_files(folder: &Path) -> Vec<PathBuf> {
 /// The Rust files of the product: the program's and its crates', without folders of tests.
 pub(crate) fn product_files() -> Vec<PathBuf> {
     let crates = fs::read_dir("crates").unwrap().map(|entry| entry.unwrap().path().join("src"));
-    let others = ["assets", "shaders", "src"].map(PathBuf::from);
+    let others = ["assets", "shaders", "src", "web/src"].map(PathBuf::from);
     let files = crates.chain(others).flat_map(|folder| rust_files(&folder));
     files.filter(|file| !file.components().any(|part| part.as_os_str() == "tests")).collect()
 }

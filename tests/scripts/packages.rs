@@ -106,6 +106,7 @@ fn packages_hold_what_they_are_built_from_and_no_more() {
         ("flipmap-render", &["src/lib.rs"]),
         ("flipmap-report", &["src/lib.rs", "src/page/style.css"]),
         ("flipmap-lab", &["src/lib.rs"]),
+        ("flipmap-screen", &["src/lib.rs"]),
         ("flipmap-window", &["src/lib.rs"]),
     ] {
         let names = packaged(package);
