@@ -163,34 +163,36 @@ impl FilmOptions {
 
     /// Returns what the options say of the film's length.
     fn length(&self) -> Result<FilmLength, Exit> {
-        let said = |option: &str, text: &Option<String>, range: RangeInclusive<f64>| {
-            let Some(text) = text else { return Ok(None) };
-            let fine = number_or_ratio(text).filter(|number| range.contains(number));
-            let refuse = || {
-                format!(
-                    "{option} is '{text}'; it must lie {}{}",
-                    between(&range),
-                    decimal_hint(text, 1)
-                )
-            };
-            fine.map(Some).ok_or_else(|| Exit::Usage(refuse()))
+        let said = |option: &str, text: &Option<String>, range| {
+            text.as_ref().map(|text| number_or_ratio(option, text, range)).transpose()
         };
         let secs = said("--secs", &self.secs, 0.01..=1e6)?;
         let frames = said("--frames", &self.frames, 1.0..=f64::from(Film::MAX_FRAMES))?;
         if frames.is_some_and(|frames| frames.fract() != 0.0) {
             return Err(Exit::Usage("--frames must be a whole number".to_string()));
         }
-        let fps = said("--fps", &self.fps, Film::FPS)?;
+        let fps = self.fps.as_deref().map(fps_of).transpose()?;
         Ok(FilmLength { secs, frames: frames.map(|frames| frames as u32), fps })
     }
 }
 
-/// Reads a number, or a ratio of two such as 30000/1001.
-fn number_or_ratio(text: &str) -> Option<f64> {
-    match text.split_once('/') {
-        Some((above, below)) => Some(number(above)? / number(below)?),
+/// Reads the frames per second of a film.
+pub(super) fn fps_of(text: &str) -> Result<f64, Exit> {
+    number_or_ratio("--fps", text, Film::FPS)
+}
+
+/// Reads an option that is a number, or a ratio of two such as 30000/1001, within a range.
+fn number_or_ratio(option: &str, text: &str, range: RangeInclusive<f64>) -> Result<f64, Exit> {
+    let number = match text.split_once('/') {
+        Some((above, below)) => {
+            number(above).zip(number(below)).map(|(above, below)| above / below)
+        }
         None => number(text),
-    }
+    };
+    number.filter(|number| range.contains(number)).ok_or_else(|| {
+        let (range, hint) = (between(&range), decimal_hint(text, 1));
+        Exit::Usage(format!("{option} is '{text}'; it must lie {range}{hint}"))
+    })
 }
 
 fn is_toml(name: &str) -> bool {

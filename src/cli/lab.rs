@@ -9,12 +9,14 @@ use flipmap_lab::home::home_map;
 use flipmap_lab::set_up::PREFIX;
 use flipmap_lab::sheet::sheet;
 use flipmap_lab::still::{Still, StillPainter, still};
-use flipmap_lab::take_away::{FILMS, TakeAway, film_codec, write_still};
+use flipmap_lab::take_away::{Extent, FPS, TakeAway, write_still};
 use flipmap_lab::{Figure, Lab, Theme, flips};
+use flipmap_render::film::ffmpeg::Codec;
 use flipmap_render::output::PICTURES;
 use flipmap_scene::not_among;
 
 use super::exit::Exit;
+use super::film_options::fps_of;
 use super::options::number_of;
 use super::same_file::{keep_apart, one_stream};
 use super::size;
@@ -26,8 +28,8 @@ pub(super) struct Options {
     /// set-up, as in flipmap:lab=double;start=2.2,2.5; or sheet, the whole lesson to print
     #[arg(hide_possible_values = true, value_parser = Suggested(names()))]
     name: Option<String>,
-    /// Picture of the figure to write, its motion as .gif, .mp4 or .mkv through ffmpeg, or the sheet
-    /// as .html (- for standard output)
+    /// Picture of the figure to write, its motion as .gif, .mp4, .mkv or, with --fps, .webp through
+    /// ffmpeg, or the sheet as .html (- for standard output)
     #[arg(short, long, value_name = "STILL.png")]
     output: Option<PathBuf>,
     /// Data of the figure to write (- for standard output)
@@ -37,6 +39,9 @@ pub(super) struct Options {
     /// to 600 (default: 10)
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     at: Option<String>,
+    /// Frames per second of a film, also as 30000/1001 (default: 25)
+    #[arg(long, value_name = "R", allow_hyphen_values = true)]
+    fps: Option<String>,
     /// Width and height of the picture in pixels, each 320 to 8192 (default: 1280x800)
     #[arg(long, value_name = "WxH")]
     size: Option<String>,
@@ -44,6 +49,9 @@ pub(super) struct Options {
 
 /// Maximum seconds for which a figure may be followed.
 const MAX_SECS: f64 = 600.0;
+
+/// Endings of films; a .webp is one if its frames per second are given.
+const FILMS: &[&str] = &["gif", "mp4", "mkv"];
 
 /// Name of the lesson's sheet.
 const SHEET: &str = "sheet";
@@ -78,11 +86,12 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     for (option, path) in &outputs {
         super::check(path, option)?;
     }
+    let codec = film_codec(options)?;
     if lab.figure == Figure::Map {
         if options.at.is_some() {
             return Err(Exit::Usage("--at: the map stands still; leave it out".to_string()).into());
         }
-        if options.output.as_deref().and_then(film_codec).is_some() {
+        if codec.is_some() {
             let message = "-o: the map stands still: name a picture, or see flipmap video";
             return Err(Exit::Usage(message.to_string()).into());
         }
@@ -91,13 +100,21 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     if let (Some(path), Some(live)) = (&options.csv, lab.live()) {
         super::write_whole(path, "--csv", live.csv(secs).as_bytes())?;
     }
-    match &options.output {
-        Some(path) if film_codec(path).is_some() => {
-            Ok(TakeAway::Film.write(&mut lab, path, size, secs)?)
-        }
-        Some(path) => write(path, &still(&mut lab, size, secs)?),
-        None => Ok(()),
-    }
+    let Some(path) = &options.output else { return Ok(()) };
+    let Some(codec) = codec else { return write(path, &still(&mut lab, size, secs)?) };
+    let fps = options.fps.as_deref().map_or(Ok(FPS), fps_of)?;
+    Ok(TakeAway::Film(codec).write(&mut lab, path, Extent { size_px: size, secs, fps })?)
+}
+
+/// Returns the codec of the film to write, or `None` if that is a picture or nothing.
+fn film_codec(options: &Options) -> Result<Option<Codec>, Exit> {
+    let codec = options.output.as_deref().and_then(Codec::of);
+    let Some(fps) = &options.fps else {
+        return Ok(codec.filter(|codec| *codec != Codec::WebP));
+    };
+    fps_of(fps)?;
+    let needs = "--fps: only films have frames per second: give -o FILM.gif, .webp, .mp4 or .mkv";
+    codec.map(Some).ok_or_else(|| Exit::Usage(needs.to_string()))
 }
 
 /// Computes a small map and writes it as the map figure, which in the window is the explorer.
@@ -135,9 +152,11 @@ fn named(name: &str) -> Result<Lab, Exit> {
 
 /// Writes the lesson as a page to print.
 fn print_sheet(options: &Options) -> anyhow::Result<()> {
-    let has_others = options.csv.is_some() || options.at.is_some() || options.size.is_some();
+    let others = [&options.at, &options.fps, &options.size];
+    let has_others = options.csv.is_some() || others.into_iter().any(Option::is_some);
     let Some(path) = options.output.as_deref().filter(|_| !has_others) else {
-        let message = "the sheet is a page: give -o SHEET.html, and no --csv, --at or --size";
+        let message =
+            "the sheet is a page: give -o SHEET.html, and no --csv, --at, --fps or --size";
         return Err(Exit::Usage(message.to_string()).into());
     };
     super::check_name(path, "-o", &["html"])?;

@@ -31,8 +31,10 @@ fn a_sheet_is_a_page_and_nothing_else() {
     for (bad, words) in [
         (&["lab", "sheet"][..], "give -o SHEET.html"),
         (&["lab", "sheet", "--csv", "a.csv"], "give -o SHEET.html"),
-        (&["lab", "sheet", "-o", "a.html", "--at", "3"], "no --csv, --at or --size"),
+        (&["lab", "sheet", "-o", "a.html", "--at", "3"], "no --csv, --at, --fps or --size"),
         (&["lab", "map", "--csv", "a.csv", "--at", "3"], "--at: the map stands still"),
+        (&["lab", "double", "-o", "a.png", "--fps", "30"], "--fps: only films have frames"),
+        (&["lab", "double", "-o", "a.webp", "--fps", "0"], "--fps is '0'; it must lie"),
         (&["lab", "sheet", "-o", "a.png"], ".html"),
     ] {
         let output = flipmap(&folder, bad);
@@ -98,6 +100,15 @@ fn a_figure_moves_in_a_film_and_the_map_does_not() {
     assert!(output.status.success(), "{}", error_of(&output));
     let bytes = fs::read(folder.path().join("a.gif")).unwrap();
     assert!(bytes.starts_with(b"GIF89a") && bytes.len() > 10_000, "{}", bytes.len());
+    let webp = ["lab", "double", "--at", "0.1", "--size", "320x320", "-o", "a.webp"];
+    let frames = |more: &[&str]| {
+        let output = flipmap(&folder, &[&webp[..], more].concat());
+        assert!(output.status.success(), "{}", error_of(&output));
+        let bytes = fs::read(folder.path().join("a.webp")).unwrap();
+        bytes.windows(4).filter(|tag| tag == b"ANMF").count()
+    };
+    assert_eq!(frames(&[]), 0, "a picture");
+    assert_eq!(frames(&["--fps", "20"]), 3);
     let output = flipmap(&folder, &[&["lab", "map"][..], &small].concat());
     assert_eq!(output.status.code(), Some(2));
     assert!(error_of(&output).contains("the map stands still"), "{}", error_of(&output));

@@ -186,6 +186,29 @@ fn the_ring_of_an_arc_turns_its_rod() {
 }
 
 #[test]
+fn the_height_of_zero_energy_is_dragged_and_moves_no_pendulum() {
+    let mut harness = figure(Figure::Double, 0.0);
+    harness.state_mut().lab.playing.paused = true;
+    let before = harness.state().lab.set();
+    let potential = |harness: &Harness<'_, Shown>| {
+        let bar = harness.get_by_label_contains("energy: potential ").accesskit_node().label();
+        bar.unwrap().split(' ').nth(2).unwrap().replace('−', "-").parse::<f64>().unwrap()
+    };
+    let above_hanging = potential(&harness);
+    let canvas = harness.get_by_label_contains("θ1 is 0.800 rad").rect();
+    let reach = 0.5 * canvas.size().min_elem() - 16.0;
+    let handle = pos2(canvas.right() - 20.0, canvas.center().y + reach);
+    // The reach is that of both rods of 1 m.
+    drag(&mut harness, handle, vec2(0.0, -0.5 * reach));
+    let after = harness.state().lab.set();
+    let zero = after[10];
+    assert!((zero - 1.0).abs() < 0.02, "{after:?}");
+    assert_eq!((&after[..10], after[11]), (&before[..10], before[11]), "nothing else moved");
+    let less = above_hanging - potential(&harness);
+    assert!((less - 2.0 * 9.81 * zero).abs() < 0.02, "two masses of 1 kg: {less} J");
+}
+
+#[test]
 fn time_is_paused_slowed_and_scrubbed_by_name() {
     let mut harness = figure(Figure::Ghost, 3.0);
     harness.get_by_label("1/10").click();

@@ -9,6 +9,7 @@ use egui::{
 };
 
 use super::drawing::{SMALL, Tint, corner_inside};
+use super::polyline::simplified;
 use flipmap_numbers::number_text::{of_pi, plain, power_of_ten, significant};
 
 /// The mapping of values to places along an axis.
@@ -67,8 +68,6 @@ const MARGIN: Vec2 = vec2(48.0, 36.0);
 const LEAST: Vec2 = vec2(160.0, 136.0);
 /// Height of a row of the legend above the chart, in points.
 const HEAD: f32 = 16.0;
-/// Largest number of points drawn for a curve; more cost a software renderer frames.
-const MAX_POINTS: usize = 300;
 
 impl Curve {
     /// Creates a solid curve with a name in the legend.
@@ -209,7 +208,7 @@ impl Chart {
             response.rect.min + vec2(MARGIN.x, head),
             response.rect.max - vec2(8.0, MARGIN.y),
         );
-        painter.rect_filled(area, 0.0, tint.ground);
+        tint.fill(&painter, area);
         self.frame(&painter, area, &tint);
         let inside = painter.with_clip_rect(area.intersect(painter.clip_rect()));
         for curve in &self.curves {
@@ -251,12 +250,9 @@ impl Chart {
     }
 
     fn places(&self, area: Rect, points: &[[f64; 2]]) -> Vec<Pos2> {
-        let stride = points.len().div_ceil(MAX_POINTS).max(1);
-        let some = points.iter().step_by(stride).chain(points.last());
         // Values that are not finite have no place on the chart.
-        some.filter(|point| point.iter().all(|x| x.is_finite()))
-            .map(|point| self.place(area, point))
-            .collect()
+        let finite = points.iter().filter(|point| point.iter().all(|x| x.is_finite()));
+        simplified(&finite.map(|point| self.place(area, point)).collect::<Vec<_>>())
     }
 
     fn frame(&self, painter: &Painter, area: Rect, tint: &Tint) {
@@ -378,7 +374,7 @@ mod tests {
         let area = Rect::from_min_size(Pos2::ZERO, vec2(100.0, 100.0));
         let points = [[0.0, 0.5], [0.5, f64::NAN], [f64::INFINITY, 0.0], [1.0, 2.0]];
         let places = chart.places(area, &points);
-        assert!(places.len() == 3, "{places:?}");
+        assert!(places.len() == 2, "{places:?}");
         let near = area.expand2(area.size());
         assert!(places.iter().all(|at| near.contains(*at)), "{places:?}");
     }

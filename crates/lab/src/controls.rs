@@ -2,9 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{Color32, Grid, Role, Sense, Slider, SliderClamping, Ui, WidgetInfo, vec2};
+use egui::{Color32, Grid, Slider, SliderClamping, Ui};
 
-use super::drawing::Tint;
 use flipmap_numbers::Decimal;
 use flipmap_numbers::number_text::{brief, fixed};
 use flipmap_pendulum::State;
@@ -129,28 +128,6 @@ pub(super) fn friction(ui: &mut Ui, build: &mut PendulumSpec) -> bool {
         build.friction = [both.into(); 2];
     }
     is_changed
-}
-
-/// Shows a pendulum's kinetic and potential energy in J as two parts of one bar, with their sum.
-pub(super) fn energy_bar(ui: &mut Ui, name: &str, [kinetic, potential]: [f64; 2]) {
-    let tint = Tint::of(ui);
-    let sum = kinetic + potential;
-    let words = [("kinetic", kinetic), ("potential", potential), ("sum", sum)]
-        .map(|(name, energy)| format!("{name} {} J", fixed(energy, 2)));
-    let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), 16.0), Sense::hover());
-    let told = format!("{name}: {}", words.join(", "));
-    response.widget_info(|| WidgetInfo::labeled(Role::ProgressIndicator, true, &told));
-    let area = response.rect;
-    let share = if sum > 0.0 { (kinetic / sum).clamp(0.0, 1.0) as f32 } else { 0.0 };
-    let (left, right) = area.split_left_right_at_fraction(share);
-    painter.rect_filled(left, 2.0, tint.parts[1]);
-    painter.rect_filled(right, 2.0, tint.parts[2]);
-    ui.horizontal_wrapped(|ui| {
-        let colours = [tint.parts[1], tint.parts[2], tint.ink];
-        for (words, colour) in words.into_iter().zip(colours) {
-            ui.colored_label(colour, words);
-        }
-    });
 }
 
 /// Shows a row with the speeds of a start, unless it is at rest.

@@ -5,14 +5,15 @@ use egui::{Button, ComboBox, Grid, Response, Ui, Vec2, vec2};
 
 use super::arrangement::Arrangement;
 use super::chart::{Chart, ChartAxis, Curve};
-use super::controls::{FRICTIONS, build, energy_bar, friction, row, thrown};
+use super::controls::{FRICTIONS, build, friction, row, thrown};
 use super::double_simulation::{DoublePendulumSimulation, draw_rods, told};
 use super::drawing::{FigureCanvas, StageReach, Tint, end, ends, wrapped};
-use super::quantity::{Quantity, energy};
+use super::quantity::{PendulumAt, Quantity};
 use super::reversal::{MAX_OUT_SECS, Reversal};
 use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::twin::Twin;
+use super::zero_height::ZERO_LABEL;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
 use flipmap_pendulum::State;
@@ -113,12 +114,12 @@ impl Double {
     }
 
     fn draw_parts(&mut self, ui: &mut Ui, size: Vec2) {
+        let lengths = self.simulation.build.lengths_m();
+        let (reach, told) = (lengths[0] + lengths[1], self.simulation.told());
+        let (stage, response) = FigureCanvas::new(ui, size, StageReach::of_rods(reach), told);
+        let zero = self.simulation.zero.lay_on(ui, &stage, -reach);
         let simulation = &self.simulation;
         let angle = simulation.now().angle.map(wrapped);
-        let lengths = simulation.build.lengths_m();
-        let reach = lengths[0] + lengths[1];
-        let told = simulation.told();
-        let (stage, response) = FigureCanvas::new(ui, size, StageReach::of_rods(reach), told);
         let [first, second] = ends(lengths, angle);
         let (faint, [one, two, three, _]) = (stage.tint.faint, stage.tint.parts);
         stage.note(None, "Both angles are from the vertical. Drag or throw a bob, or drag a ring.");
@@ -144,6 +145,7 @@ impl Double {
             stage.label(at, &words, stage.tint.ink);
         }
         stage.label([0.0; 2], "pivot", faint);
+        zero.into_iter().for_each(|at| stage.label(at, ZERO_LABEL, faint));
         self.drag(&stage, &response, Some(handles));
         StageRuler::lay_on(ui, &stage);
     }
@@ -201,9 +203,13 @@ impl Double {
             of.path.iter().copied().chain([now]).collect::<Vec<_>>()
         };
         let beside = twin.map(moments).unwrap_or_default();
+        let zero = self.simulation.zero;
         let point = |(k, (secs, state)): (usize, &(f64, State<f64>))| {
-            let other = twin.zip(beside.get(k)).map(|(twin, (_, state))| (&twin.build, state));
-            self.axes.map(|quantity| quantity.value((&simulation.build, state), *secs, other))
+            let other = twin.zip(beside.get(k));
+            let other =
+                other.map(|(twin, (_, state))| PendulumAt { build: &twin.build, state, zero });
+            let own = PendulumAt { build: &simulation.build, state, zero };
+            self.axes.map(|quantity| quantity.value(own, *secs, other))
         };
         moments(simulation).iter().enumerate().map(point).collect()
     }
@@ -321,8 +327,9 @@ impl LiveFigure for Double {
         ui.add_enabled_ui(self.reversal.is_none(), |ui| self.axis_menus(ui));
         self.experiments(ui);
         ui.separator();
+        self.simulation.zero.control(ui);
         let (simulation, state) = (&self.simulation, self.shown());
-        energy_bar(ui, "energy", energy(&simulation.build, &state));
+        simulation.energy(&state).bar(ui, "energy");
         Grid::new("double now").num_columns(2).show(ui, |ui| {
             thrown(ui, &simulation.start);
             row(ui, "time", format!("{} s", column(simulation.secs(), 3, 8)));

@@ -5,7 +5,9 @@ use egui::Response;
 use super::clock::Clock;
 use super::controls::{ANGLES, GRAVITIES, LENGTHS, MASSES, SPEEDS};
 use super::drawing::{FigureCanvas, angle_of, ends, turning, wrapped};
+use super::energy::Energy;
 use super::set_up::SetUpWord;
+use super::zero_height::ZeroHeight;
 use flipmap_numbers::number_text::fixed;
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::rk4;
@@ -40,6 +42,8 @@ pub(super) struct DoublePendulumSimulation {
     pub path: Vec<(f64, State<f64>)>,
     /// Index of the bob that the user holds.
     pub held: Option<usize>,
+    /// The height from which potential energy is counted.
+    pub zero: ZeroHeight,
 }
 
 impl DoublePendulumSimulation {
@@ -53,6 +57,7 @@ impl DoublePendulumSimulation {
             clock: Clock::new(1.0 / STEPS_A_SEC),
             path: Vec::new(),
             held: None,
+            zero: ZeroHeight::default(),
         }
     }
 
@@ -74,14 +79,16 @@ impl DoublePendulumSimulation {
             SetUpWord::numbers("gravity", [gravity.value()], GRAVITIES),
             SetUpWord::numbers("speeds", speed, SPEEDS),
             SetUpWord::name("kind", usize::from(*kind == Kind::Rods), &["points", "rods"]),
+            self.zero.word(),
         ]
     }
 
     /// Begins again as the numbers of a set-up say.
     pub(super) fn take_set_up(&mut self, numbers: &[f64]) {
-        let &[t1, t2, m1, m2, l1, l2, gravity, w1, w2, kind] = numbers else { return };
+        let &[t1, t2, m1, m2, l1, l2, gravity, w1, w2, kind, above_m] = numbers else { return };
         let kind = if kind > 0.0 { Kind::Rods } else { Kind::Points };
         self.build = PendulumSpec::new(kind, [m1, m2], [l1, l2], gravity);
+        self.zero = ZeroHeight { above_m };
         self.release(State { angle: [t1, t2], speed: [w1, w2] });
     }
 
@@ -113,6 +120,11 @@ impl DoublePendulumSimulation {
         let share = self.clock.share() * self.clock.step_secs;
         let change = rk4(&self.pendulum(), &self.state, share, Turning::Fresh);
         self.state.plus(&change)
+    }
+
+    /// Returns the energy of a state.
+    pub(super) fn energy(&self, state: &State<f64>) -> Energy {
+        Energy::of(&self.build, state, self.zero)
     }
 
     /// Seconds since the release.

@@ -9,6 +9,7 @@ use egui::{
 
 use super::formula::Formula;
 use super::labels::{LabelPlace, Taken};
+use super::polyline::simplified;
 
 /// Background colour of a dark canvas.
 pub const CANVAS: Color32 = Color32::from_gray(24);
@@ -60,6 +61,14 @@ impl Tint {
         ],
         dark: false,
     };
+
+    /// Fills an area with the ground. The dark theme needs no fill, and filling is slow with a software
+    /// renderer.
+    pub(crate) fn fill(&self, painter: &Painter, area: Rect) {
+        if !self.dark {
+            painter.rect_filled(area, 4.0, self.ground);
+        }
+    }
 
     /// Returns the colours that suit the theme.
     pub fn of(ui: &Ui) -> Self {
@@ -135,10 +144,7 @@ impl FigureCanvas {
         let (response, painter) = ui.allocate_painter(size, sense);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
         let (rect, tint) = (response.rect, Tint::of(ui));
-        // The dark theme needs no fill, and filling is slow with a software renderer.
-        if !tint.dark {
-            painter.rect_filled(rect, 4.0, tint.ground);
-        }
+        tint.fill(&painter, rect);
         let [rods, below] = [reach.rods_m, reach.below_m].map(|m| m as f32);
         let room = (size - Vec2::splat(2.0 * RIM)).max(0.6 * size);
         let points_per_m = (room.x / (2.0 * rods)).min(room.y / (2.0 * rods + below));
@@ -168,6 +174,14 @@ impl FigureCanvas {
         let ends = [self.at(from), self.at(to)];
         self.taken.line(ends);
         self.painter.line_segment(ends, Stroke::new(2.0, colour));
+    }
+
+    /// Draws a level line, from the left edge to a place.
+    pub(crate) fn level(&self, to: [f64; 2], colour: Color32) {
+        let to = self.at(to);
+        let ends = [Pos2::new(self.rect.left(), to.y), to];
+        self.taken.line(ends);
+        self.painter.line_segment(ends, Stroke::new(1.0, colour));
     }
 
     /// Draws a dashed line from one place to another.
@@ -268,10 +282,10 @@ impl FigureCanvas {
         const BAND: usize = 24;
         for first in (0..places.len().saturating_sub(1)).step_by(BAND) {
             let last = (first + BAND).min(places.len() - 1);
-            let points = places[first..=last].iter().map(|&place| self.at(place)).collect();
+            let points: Vec<Pos2> = places[first..=last].iter().map(|at| self.at(*at)).collect();
             let youth = last as f32 / places.len() as f32;
             let stroke = Stroke::new(1.5, colour.gamma_multiply(youth));
-            self.painter.add(Shape::line(points, stroke));
+            self.painter.add(Shape::line(simplified(&points), stroke));
         }
     }
 }

@@ -4,7 +4,7 @@ use egui::{Grid, Ui, Vec2};
 
 use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
-use super::controls::{coloured_row, energy_bar, row};
+use super::controls::{coloured_row, row};
 use super::drawing::{FigureCanvas, StageReach, Tint, end};
 use super::formula::{Fence, Formula};
 use super::ruler::StageRuler;
@@ -135,7 +135,7 @@ impl LiveFigure for Ghost {
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         self.0.controls(ui);
         ui.separator();
-        energy_bar(ui, "energy", self.0.energy(self.0.now()));
+        self.0.energy(self.0.now()).bar(ui, "energy");
         let (simple, tint) = (self.0.simple, Tint::of(ui));
         Grid::new("ghost now").num_columns(2).show(ui, |ui| {
             row(ui, "time", format!("{} s", column(self.0.secs(), 2, 4)));

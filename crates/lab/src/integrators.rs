@@ -7,10 +7,10 @@ use egui::{Color32, Grid, Ui, Vec2};
 use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
-use super::controls::{ANGLES, SPEEDS, coloured_row, energy_bar, number_on, thrown};
+use super::controls::{ANGLES, SPEEDS, coloured_row, number_on, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, StageReach, Tint, ends, wrapped};
-use super::quantity::energy;
+use super::energy::Energy;
 use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::sweep::Sweep;
@@ -19,7 +19,6 @@ use flipmap_numbers::number_text::{fixed, signed};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::integrator::{euler, rk4, semi_implicit_euler};
 use flipmap_pendulum::{Pendulum, State};
-use flipmap_scene::PendulumSpec;
 
 /// One of the three integrators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -329,7 +328,7 @@ impl LiveFigure for Integrators {
         });
         for (run, (_, name)) in self.runs.iter().zip(Integrator::ALL) {
             ui.label(name);
-            energy_bar(ui, name, energy(&PendulumSpec::default(), &run.state));
+            Energy::of_default(&run.state).bar(ui, name);
         }
         if self.runs.iter().any(|run| run.diverged_at.is_some()) {
             ui.label("Restart with a smaller Δt: energy grew without bound.");

@@ -2,13 +2,13 @@
 
 use egui::{Grid, Ui, vec2};
 
-use super::controls::{build, energy_bar, row};
+use super::controls::{build, row};
 use super::double_simulation::DoublePendulumSimulation;
 use super::drawing::{FigureCanvas, LETTER, StageReach, Tint};
+use super::equation;
 use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::{FigureRequest, LiveFigure};
-use super::{equation, quantity};
 use flipmap_numbers::number_text::{fixed, signed};
 use flipmap_pendulum::State;
 
@@ -107,9 +107,9 @@ fn determinant(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
 /// Shows the kinetic and potential energy, and how far their sum has moved.
 fn energy(ui: &mut Ui, simulation: &DoublePendulumSimulation) {
     let pendulum = simulation.pendulum();
-    let parts = quantity::energy(&simulation.build, &simulation.state);
-    energy_bar(ui, "energy", parts);
-    let all = quantity::energy(&simulation.build, &simulation.start).iter().sum::<f64>().max(1e-12);
+    simulation.energy(&simulation.state).bar(ui, "energy");
+    let begun = simulation.energy(&simulation.start);
+    let all = (begun.sum() - begun.least).max(1e-12);
     let error = (pendulum.energy(&simulation.state) - pendulum.energy(&simulation.start)) / all;
     ui.horizontal(|ui| {
         ui.label("relative energy error");

@@ -85,18 +85,15 @@ const GHOST: [Prediction; 3] = [
         set_up: Some("start=0.174533"),
     },
     Prediction {
-        ask: "Let go nearer and nearer to the top. What does the period do?",
-        choices: [
-            "It approaches twice the small one.",
-            "It grows without limit.",
-            "It becomes shorter again.",
-        ],
+        ask: "The same swing of 2.6 rad on the Moon, where g is a sixth: how does the curve change?",
+        choices: ["It becomes higher.", "It stays as it is.", "It becomes lower."],
         right: 1,
-        observe: "Drag the bob towards the top and follow the point on the chart.",
-        why: "Near the top the pull fades, and the bob creeps. In the exact period the mean of 1 \
-              and cos(θ0/2) goes to zero, slowly: every further digit of nearness adds the same \
-              time.",
-        set_up: Some("start=3.1"),
+        observe: "Let go, then move the slider of gravity to 1.62. Which of the numbers change, and does \
+                  the curve?",
+        why: "g only sets the unit of time: both periods become √6 times longer. Their ratio, 1 over the \
+              agm of 1 and cos(θ0/2), depends on the amplitude alone, and grows without limit towards \
+              the top, where the pull fades and the bob creeps.",
+        set_up: Some("start=2.6"),
     },
 ];
 

@@ -1,6 +1,8 @@
 //! The quantities of a double pendulum that a chart can show against one another.
 
 use super::drawing::{ends, wrapped};
+use super::energy::Energy;
+use super::zero_height::ZeroHeight;
 use flipmap_pendulum::State;
 use flipmap_scene::{Kind, PendulumSpec};
 
@@ -21,8 +23,13 @@ pub(crate) enum Quantity {
     Apart,
 }
 
-/// A pendulum and its state.
-pub(crate) type PendulumAt<'a> = (&'a PendulumSpec, &'a State<f64>);
+/// A pendulum and its state, and the height from which its potential energy is counted.
+#[derive(Clone, Copy)]
+pub(crate) struct PendulumAt<'a> {
+    pub build: &'a PendulumSpec,
+    pub state: &'a State<f64>,
+    pub zero: ZeroHeight,
+}
 
 impl Quantity {
     /// All quantities, in the order of menus.
@@ -62,15 +69,10 @@ impl Quantity {
         format!("{name}{index}, {unit}")
     }
 
-    /// Returns the value `secs` after the release, in the unit of the name; energies are 0 where the
-    /// pendulum hangs at rest, and angles are from −π to π. `other` is the twin at the same moment; a
-    /// pendulum without one is 0 m away from it.
-    pub(crate) fn value(
-        self,
-        (build, state): PendulumAt,
-        secs: f64,
-        other: Option<PendulumAt>,
-    ) -> f64 {
+    /// Returns the value `secs` after the release, in the unit of the name; angles are from −π to π.
+    /// `other` is the twin at the same moment; a pendulum without one is 0 m away from it.
+    pub(crate) fn value(self, at: PendulumAt, secs: f64, other: Option<PendulumAt>) -> f64 {
+        let PendulumAt { build, state, zero } = at;
         let State { angle, speed } = *state;
         let pendulum = build.pendulum();
         match self {
@@ -82,13 +84,13 @@ impl Quantity {
                 mass[0] * speed[0] + mass[1] * speed[1]
             }
             Quantity::Acceleration(bob) => pendulum.acceleration(state)[bob],
-            Quantity::Kinetic => energy(build, state)[0],
+            Quantity::Kinetic => Energy::of(build, state, zero).kinetic,
             Quantity::CrossTerm => pendulum.equation(state).mass[0][1] * speed[0] * speed[1],
-            Quantity::Potential => energy(build, state)[1],
+            Quantity::Potential => Energy::of(build, state, zero).potential,
             Quantity::Tension(bob) => tensions(build, state)[bob],
             Quantity::Apart => {
-                let bob = |(build, state): PendulumAt| ends(build.lengths_m(), state.angle)[1];
-                let ([x, y], [u, v]) = (bob((build, state)), bob(other.unwrap_or((build, state))));
+                let bob = |at: PendulumAt| ends(at.build.lengths_m(), at.state.angle)[1];
+                let ([x, y], [u, v]) = (bob(at), bob(other.unwrap_or(at)));
                 (x - u).hypot(y - v)
             }
         }
@@ -98,13 +100,6 @@ impl Quantity {
     pub(crate) fn is_angle(self) -> bool {
         matches!(self, Quantity::Angle(_))
     }
-}
-
-/// Returns the kinetic and potential energy of a state in J, both zero where it hangs at rest.
-pub(crate) fn energy(build: &PendulumSpec, state: &State<f64>) -> [f64; 2] {
-    let pendulum = build.pendulum();
-    let potential = pendulum.energy(&State::rest(state.angle));
-    [pendulum.energy(state) - potential, potential + pendulum.p + pendulum.q]
 }
 
 /// Returns the force with which each rod pulls along itself at its upper end, in N, from the
@@ -145,6 +140,10 @@ mod tests {
     use flipmap_pendulum::integrator::rk4;
     use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
+    fn at<'a>(build: &'a PendulumSpec, state: &'a State<f64>) -> PendulumAt<'a> {
+        PendulumAt { build, state, zero: ZeroHeight::default() }
+    }
+
     fn builds() -> [PendulumSpec; 2] {
         [Kind::Points, Kind::Rods].map(|kind| PendulumSpec::new(kind, [1.5, 0.7], [0.8, 1.3], 9.81))
     }
@@ -153,7 +152,7 @@ mod tests {
     fn a_pendulum_at_rest_pulls_with_its_weight_and_has_no_energy() {
         for build in builds() {
             let value =
-                |quantity: Quantity| quantity.value((&build, &State::rest([0.0; 2])), 0.0, None);
+                |quantity: Quantity| quantity.value(at(&build, &State::rest([0.0; 2])), 0.0, None);
             assert!((value(Quantity::Tension(0)) - 2.2 * 9.81).abs() < 1e-12);
             assert!((value(Quantity::Tension(1)) - 0.7 * 9.81).abs() < 1e-12);
             assert!(value(Quantity::Kinetic).abs() + value(Quantity::Potential).abs() < 1e-12);
@@ -166,7 +165,7 @@ mod tests {
         let state = State { angle: [1.1, -0.7], speed: [2.0, -3.0] };
         for build in builds() {
             let (pendulum, h) = (build.pendulum(), 1e-4);
-            let at = |secs: f64| state.plus(&rk4(&pendulum, &state, secs, Turning::Fresh));
+            let after = |secs: f64| state.plus(&rk4(&pendulum, &state, secs, Turning::Fresh));
             let places = |state: &State<f64>| {
                 let [first, second] = ends(build.lengths_m(), state.angle);
                 let half = |from: [f64; 2], to: [f64; 2]| [0, 1].map(|i| 0.5 * (from[i] + to[i]));
@@ -175,7 +174,7 @@ mod tests {
                     Kind::Rods => [half([0.0; 2], first), half(first, second)],
                 }
             };
-            let [before, now, after] = [-h, 0.0, h].map(|secs| places(&at(secs)));
+            let [before, now, after] = [-h, 0.0, h].map(|secs| places(&after(secs)));
             let force = |bob: usize| {
                 let mass = build.masses_kg()[bob];
                 let pull =
@@ -188,7 +187,7 @@ mod tests {
             };
             let known = [along(0, [0, 1].map(|i| first[i] + second[i])), along(1, second)];
             for (bob, known) in known.into_iter().enumerate() {
-                let value = Quantity::Tension(bob).value((&build, &state), 0.0, None);
+                let value = Quantity::Tension(bob).value(at(&build, &state), 0.0, None);
                 assert!((value - known).abs() < 1e-5 * known.abs(), "{value} for {known}");
             }
         }
@@ -198,8 +197,8 @@ mod tests {
     fn twins_are_as_far_apart_as_their_second_bobs() {
         let [build, _] = builds();
         let (down, level) = (State::rest([0.0; 2]), State::rest([0.0, FRAC_PI_2]));
-        let apart = |other| Quantity::Apart.value((&build, &down), 0.0, other);
-        assert!((apart(Some((&build, &level))) - 1.3 * SQRT_2).abs() < 1e-12);
+        let apart = |other| Quantity::Apart.value(at(&build, &down), 0.0, other);
+        assert!((apart(Some(at(&build, &level))) - 1.3 * SQRT_2).abs() < 1e-12);
         assert_eq!(apart(None), 0.0);
     }
 
@@ -211,10 +210,10 @@ mod tests {
                 let kinetic = |by: f64| {
                     let mut state = state;
                     state.speed[bob] += by;
-                    Quantity::Kinetic.value((&build, &state), 0.0, None)
+                    Quantity::Kinetic.value(at(&build, &state), 0.0, None)
                 };
                 let slope = (kinetic(1e-5) - kinetic(-1e-5)) / 2e-5;
-                let momentum = Quantity::Momentum(bob).value((&build, &state), 0.0, None);
+                let momentum = Quantity::Momentum(bob).value(at(&build, &state), 0.0, None);
                 assert!((momentum - slope).abs() < 1e-6, "{momentum} for {slope}");
             }
         }

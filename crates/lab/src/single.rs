@@ -4,12 +4,14 @@ use egui::{Grid, Ui, Vec2};
 
 use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
-use super::controls::{energy_bar, row};
+use super::controls::row;
 use super::drawing::{FigureCanvas, StageReach, Tint, end};
+use super::energy::Energy;
 use super::formula::Formula;
 use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::single_simulation::SinglePendulumSimulation;
+use super::zero_height::ZERO_LABEL;
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
 use flipmap_pendulum::State;
@@ -26,7 +28,7 @@ impl Default for Single {
 }
 
 /// Length of the arrow of gravity, as a fraction of the rod's.
-const WEIGHT: f64 = 0.3;
+const WEIGHT: f64 = 0.2;
 /// Seconds that the energy chart covers.
 const CHART_SECS: f64 = 10.0;
 
@@ -36,18 +38,20 @@ impl Single {
         let now = self.0.secs();
         let from = (now - CHART_SECS).max(0.0);
         let states = || self.0.path.iter().copied().chain([(now, self.0.now())]);
-        let curve = |part: &dyn Fn([f64; 2]) -> f64| -> Vec<[f64; 2]> {
+        let curve = |part: fn(Energy) -> f64| -> Vec<[f64; 2]> {
             let recent = states().filter(|(secs, _)| *secs >= from);
             recent.map(|(secs, swing)| [secs, part(self.0.energy(swing))]).collect()
         };
-        let most = self.0.energy(Swing { angle: self.0.amplitude, speed: 0.0 })[1].max(1e-3);
+        let highest = self.0.energy(Swing { angle: self.0.amplitude, speed: 0.0 });
+        let most = (highest.potential - highest.least).max(1e-3);
+        let energies = highest.least..=1.1 * most;
         Chart {
             across: ChartAxis::new("time, s", from..=from + CHART_SECS, AxisScale::Linear),
-            up: ChartAxis::new("energy, J", 0.0..=1.1 * most, AxisScale::Linear),
+            up: ChartAxis::new("energy, J", energies, AxisScale::Linear),
             curves: vec![
-                Curve::line("kinetic", tint.parts[1], curve(&|[kinetic, _]| kinetic)),
-                Curve::line("potential", tint.parts[2], curve(&|[_, potential]| potential)),
-                Curve::guide("sum", tint.ink, curve(&|[kinetic, potential]| kinetic + potential)),
+                Curve::line("kinetic", tint.parts[1], curve(|energy| energy.kinetic)),
+                Curve::line("potential", tint.parts[2], curve(|energy| energy.potential)),
+                Curve::guide("sum", tint.ink, curve(Energy::sum)),
             ],
             marks: Vec::new(),
         }
@@ -85,6 +89,7 @@ impl Single {
         let (ink, faint, [one, two, three, _]) =
             (stage.tint.ink, stage.tint.faint, stage.tint.parts);
         stage.note(Some(equation(&stage.tint)), "Drag the bob, or throw it.");
+        let zero = self.0.zero.lay_on(ui, &stage, -length);
         let tip = [bob[0], bob[1] - WEIGHT * length];
         stage.dashed([0.0; 2], [0.0, -0.6 * length], faint);
         stage.arc([0.0; 2], angle, 0.35 * length, one);
@@ -99,6 +104,7 @@ impl Single {
         let along = end([0.0; 2], 0.72 * length, angle);
         stage.label(along, &format!("rod r = {} m", fixed(length, 2)), ink);
         stage.label([0.0; 2], "pivot", faint);
+        zero.into_iter().for_each(|at| stage.label(at, ZERO_LABEL, faint));
         self.0.drag(&stage, &response, true);
         StageRuler::lay_on(ui, &stage);
     }
@@ -160,7 +166,8 @@ impl LiveFigure for Single {
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         self.0.controls(ui);
         ui.separator();
-        energy_bar(ui, "energy", self.0.energy(self.0.now()));
+        self.0.zero.control(ui);
+        self.0.energy(self.0.now()).bar(ui, "energy");
         Grid::new("single now").num_columns(2).show(ui, |ui| {
             row(ui, "time", format!("{} s", column(self.0.secs(), 3, 8)));
             row(ui, "θ", format!("{} rad", column(self.0.swing.angle, 4, 8)));
@@ -206,7 +213,7 @@ mod tests {
         let chart = live.energy_chart(&Tint::DARK);
         let [kinetic, potential, sum] = [0, 1, 2].map(|k| &chart.curves[k].points);
         assert!(sum.len() > 500 && sum[0][0] >= live.secs() - CHART_SECS);
-        let whole = live.0.energy(Swing { angle: 2.5, speed: 0.0 })[1];
+        let whole = live.0.energy(Swing { angle: 2.5, speed: 0.0 }).potential;
         for ((kinetic, potential), sum) in kinetic.iter().zip(potential).zip(sum) {
             assert!((sum[1] / whole - 1.0).abs() < 1e-6, "{sum:?} of {whole}");
             assert!(kinetic[1] >= 0.0 && potential[1] <= whole * (1.0 + 1e-6));

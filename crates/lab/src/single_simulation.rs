@@ -7,7 +7,9 @@ use egui::{Grid, Response, Ui};
 use super::clock::Clock;
 use super::controls::{GRAVITIES, MASSES, number};
 use super::drawing::{FigureCanvas, angle_of, end, turning};
+use super::energy::Energy;
 use super::set_up::SetUpWord;
+use super::zero_height::ZeroHeight;
 use flipmap_pendulum::simple::{Crossings, MAX_AMPLITUDE, Simple, Swing};
 
 /// Number of steps per second.
@@ -41,6 +43,8 @@ pub(super) struct SinglePendulumSimulation {
     pub path: Vec<(f64, Swing)>,
     /// True while the user holds the bob.
     pub held: bool,
+    /// The height from which potential energy is counted.
+    pub zero: ZeroHeight,
 }
 
 impl SinglePendulumSimulation {
@@ -55,6 +59,7 @@ impl SinglePendulumSimulation {
             crossings: Crossings::default(),
             path: Vec::new(),
             held: false,
+            zero: ZeroHeight::default(),
         }
     }
 
@@ -134,12 +139,12 @@ impl SinglePendulumSimulation {
         self.amplitude = highest.clamp(-1.0, 1.0).acos().min(MAX_AMPLITUDE).copysign(speed);
     }
 
-    /// Returns the kinetic and potential energy of a state in J, both zero where the bob hangs at
-    /// rest.
-    pub(super) fn energy(&self, swing: Swing) -> [f64; 2] {
-        let (mass, simple) = (self.mass, self.simple);
-        let kinetic = 0.5 * mass * (simple.length * swing.speed).powi(2);
-        [kinetic, mass * simple.gravity * simple.length * (1.0 - swing.angle.cos())]
+    /// Returns the energy of a state.
+    pub(super) fn energy(&self, swing: Swing) -> Energy {
+        let (mass, Simple { length, gravity }) = (self.mass, self.simple);
+        let kinetic = 0.5 * mass * (length * swing.speed).powi(2);
+        let potential = mass * gravity * length * (1.0 - swing.angle.cos());
+        Energy::new([kinetic, potential], mass * gravity, self.zero)
     }
 
     /// Returns the set-up of the figure.
@@ -150,13 +155,15 @@ impl SinglePendulumSimulation {
             SetUpWord::numbers("rod", [simple.length], RODS),
             SetUpWord::numbers("mass", [self.mass], MASSES),
             SetUpWord::numbers("gravity", [simple.gravity], GRAVITIES),
+            self.zero.word(),
         ]
     }
 
     /// Begins again as the numbers of a set-up say.
     pub(super) fn take_set_up(&mut self, numbers: &[f64]) {
-        if let &[amplitude, length, mass, gravity] = numbers {
+        if let &[amplitude, length, mass, gravity, above_m] = numbers {
             self.simple = Simple { length, gravity };
+            self.zero = ZeroHeight { above_m };
             self.mass = mass;
             self.release(amplitude);
         }

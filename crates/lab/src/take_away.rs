@@ -17,7 +17,7 @@ pub enum TakeAway {
     /// The figure at its present moment, without controls.
     Picture,
     /// Its motion from the start, without controls.
-    Film,
+    Film(Codec),
     /// Its data from the start, as CSV.
     Data,
 }
@@ -50,20 +50,37 @@ impl From<FfmpegError> for TakeAwayError {
     }
 }
 
-/// Endings of films; a .webp is a picture.
-pub const FILMS: &[&str] = &["gif", "mp4", "mkv"];
-/// Frames of a film per second.
-const FPS: f64 = 25.0;
+/// Frames per second of a film, unless the user says otherwise.
+pub const FPS: f64 = 25.0;
+
+/// How large, how long and how smooth what is taken away is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Width and height of pictures and films in pixels.
+    pub size_px: [u32; 2],
+    /// Length of films and data in s, from the figure's start.
+    pub secs: f64,
+    /// Frames of a film per second.
+    pub fps: f64,
+}
 
 impl TakeAway {
     /// All kinds, in the order of buttons.
-    pub const ALL: [TakeAway; 3] = [TakeAway::Picture, TakeAway::Film, TakeAway::Data];
+    pub const ALL: [TakeAway; 4] = [
+        TakeAway::Picture,
+        TakeAway::Film(Codec::Gif),
+        TakeAway::Film(Codec::WebP),
+        TakeAway::Data,
+    ];
 
     /// Returns the name of the kind.
     pub fn name(self) -> &'static str {
         match self {
             TakeAway::Picture => "Picture",
-            TakeAway::Film => "Film",
+            TakeAway::Film(Codec::Mp4) => "MP4 film",
+            TakeAway::Film(Codec::Ffv1) => "FFV1 film",
+            TakeAway::Film(Codec::Gif) => "GIF film",
+            TakeAway::Film(Codec::WebP) => "WebP film",
             TakeAway::Data => "Data",
         }
     }
@@ -72,37 +89,29 @@ impl TakeAway {
     pub fn ending(self) -> &'static str {
         match self {
             TakeAway::Picture => "png",
-            TakeAway::Film => "gif",
+            TakeAway::Film(Codec::Mp4) => "mp4",
+            TakeAway::Film(Codec::Ffv1) => "mkv",
+            TakeAway::Film(Codec::Gif) => "gif",
+            TakeAway::Film(Codec::WebP) => "webp",
             TakeAway::Data => "csv",
         }
     }
 
     /// Writes the figure that is shown to a file: the picture of its present moment, or the film or
-    /// the data of its first `secs`. Pictures and films are `size` pixels large.
-    pub fn write(
-        self,
-        lab: &mut Lab,
-        path: &Path,
-        size: [u32; 2],
-        secs: f64,
-    ) -> Result<(), TakeAwayError> {
+    /// the data of its first seconds.
+    pub fn write(self, lab: &mut Lab, path: &Path, extent: Extent) -> Result<(), TakeAwayError> {
         match self {
             TakeAway::Picture => {
-                let still = StillPainter::new(size, Theme::Dark)?.paint(|ui| lab.show_alone(ui))?;
-                Ok(write_still(&still, path)?)
+                let mut painter = StillPainter::new(extent.size_px, Theme::Dark)?;
+                Ok(write_still(&painter.paint(|ui| lab.show_alone(ui))?, path)?)
             }
-            TakeAway::Film => write_film(lab, path, size, secs),
+            TakeAway::Film(codec) => write_film(lab, path, codec, extent),
             TakeAway::Data => {
-                let data = lab.live().map_or(String::new(), |live| live.csv(secs));
+                let data = lab.live().map_or(String::new(), |live| live.csv(extent.secs));
                 Ok(SafeFile::write_whole(&Destination::from(path), data.as_bytes())?)
             }
         }
     }
-}
-
-/// Returns the codec of a film by its name, or `None` if it is not among [`FILMS`].
-pub fn film_codec(path: &Path) -> Option<Codec> {
-    Codec::of(path).filter(|codec| *codec != Codec::WebP)
 }
 
 /// Writes a picture in the format that its ending names.
@@ -112,22 +121,26 @@ pub fn write_still(still: &Still, path: &Path) -> io::Result<()> {
     picture.complete()?.finish()
 }
 
-fn write_film(lab: &mut Lab, path: &Path, size: [u32; 2], secs: f64) -> Result<(), TakeAwayError> {
-    let no_film = || io::Error::other(format!("a film is a .{}", FILMS.join(", .")));
-    let codec = film_codec(path).ok_or_else(no_film)?;
+fn write_film(
+    lab: &mut Lab,
+    path: &Path,
+    codec: Codec,
+    extent: Extent,
+) -> Result<(), TakeAwayError> {
+    let Extent { size_px: size, secs, fps } = extent;
     Encoder::check_place(path)?;
-    let frames = FrameFormat { size, fps: FPS };
+    let frames = FrameFormat { size, fps };
     let encoding = tried(codec, FilmQuality::default(), frames, path)?;
     let mut painter = StillPainter::new(size, Theme::Dark)?;
     let mut encoder = Encoder::start(&encoding, frames, path)?;
     if let Some(live) = lab.live() {
         live.restart();
     }
-    for _ in 0..=(secs * FPS).round() as u32 {
+    for _ in 0..=(secs * fps).round() as u32 {
         let still = painter.paint(|ui| lab.show_alone(ui))?;
         encoder.write(&still.rgb)?;
         if let Some(live) = lab.live() {
-            live.advance(1.0 / FPS);
+            live.advance(1.0 / fps);
         }
     }
     Ok(encoder.finish()?)

@@ -7,10 +7,10 @@ use egui::{Color32, Grid, Pos2, Stroke, Ui, Vec2};
 use super::arrangement::Arrangement;
 use super::chart::{AxisScale, Chart, ChartAxis, Curve};
 use super::clock::Clock;
-use super::controls::{ANGLES, SPEEDS, energy_bar, number_on, row, thrown};
+use super::controls::{ANGLES, SPEEDS, number_on, row, thrown};
 use super::double_simulation::pendulum;
 use super::drawing::{FigureCanvas, StageReach, Tint, ends};
-use super::quantity::energy;
+use super::energy::Energy;
 use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::{FigureRequest, LiveFigure};
@@ -20,7 +20,6 @@ use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::State;
 use flipmap_pendulum::integrator::rk4;
 use flipmap_pendulum::separation::{Growth, Reading, Ruler, SATURATED_RAD};
-use flipmap_scene::PendulumSpec;
 
 /// Range of the nudge in rad.
 const NUDGES: RangeInclusive<f64> = 1e-13..=1e-2;
@@ -252,7 +251,7 @@ impl LiveFigure for Twenty {
             self.begin(start, count.round() as usize, nudge);
         }
         ui.separator();
-        energy_bar(ui, "energy", energy(&PendulumSpec::default(), &self.states[0]));
+        Energy::of_default(&self.states[0]).bar(ui, "energy");
         Grid::new("twenty now").num_columns(2).show(ui, |ui| {
             thrown(ui, &self.start);
             row(ui, "time", format!("{} s", fixed(self.clock.secs(), 2)));
@@ -312,6 +311,7 @@ impl LiveFigure for Twenty {
 mod tests {
     use super::*;
     use flipmap_pendulum::taylor::Orbit;
+    use flipmap_scene::PendulumSpec;
 
     #[test]
     fn the_climb_is_that_of_the_tangent_map() {

@@ -10,7 +10,7 @@ use super::action::{Action, LabAction};
 use super::model::AppModel;
 use super::settings::Settings;
 use flipmap_lab::flips::explain;
-use flipmap_lab::take_away::TakeAway;
+use flipmap_lab::take_away::{Extent, FPS, TakeAway};
 use flipmap_lab::{Figure, FigureRequest, set_up};
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::State;
@@ -103,9 +103,10 @@ impl AppModel {
         let stem = format!("flipmap-{}", self.lab.figure.name());
         let path = self.saved_pictures.next_path(beside, &stem, kind.ending());
         let secs = self.lab.live().map_or(0.0, |live| live.secs()).clamp(1.0, MOST_SECS);
+        let extent = Extent { size_px: TAKEN_SIZE, secs, fps: FPS };
         let mut lab = self.lab.copied();
         self.saved_pictures.begin(path, Arc::clone(&self.wake), move |path| {
-            let written = kind.write(&mut lab, path, TAKEN_SIZE, secs);
+            let written = kind.write(&mut lab, path, extent);
             written.map_err(|error| format!("cannot write {}: {error}", path.display()))
         });
     }

@@ -173,7 +173,8 @@ impl Runner {
         let again = if moving || works { Duration::ZERO } else { again };
         let again = again.min(news);
         if again < Duration::from_secs(3600) {
-            self.draw_at(Instant::now() + again);
+            // Counted from the beginning of this frame, so that its length is no part of the pause.
+            self.draw_at(began + again);
         }
         for effect in effects {
             self.perform(event_loop, effect);
