@@ -195,7 +195,7 @@ const BESIDE_SLIDER: f32 = 176.0;
 /// Range of the width of a slider in points.
 const SLIDER_WIDTH: std::ops::RangeInclusive<f32> = 80.0..=240.0;
 /// Height of the playback controls in points.
-const BAR_HEIGHT: f32 = 32.0;
+const BAR_HEIGHT: f32 = 20.0;
 /// Space between a figure and its controls in points.
 const GAP: f32 = 16.0;
 /// Width in points from which on the controls have room beside the figure rather than below it.
