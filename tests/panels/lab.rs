@@ -178,7 +178,7 @@ fn the_ring_of_an_arc_turns_its_rod() {
     let canvas = harness.get_by_label_contains("θ1 is 0.800 rad").rect();
     // The ring of the first arc is nearer to the pivot than to any bob: at 0.3 of the first rod,
     // whose length is half of the reach.
-    let reach = 0.5 * canvas.size().min_elem() - 14.0;
+    let reach = 0.5 * canvas.size().min_elem() - 12.0;
     let ring = |theta: f32| canvas.center() + 0.15 * reach * vec2(theta.sin(), theta.cos());
     drag(&mut harness, ring(0.8), ring(-0.5) - ring(0.8));
     let set = harness.state().lab.set();
@@ -196,7 +196,7 @@ fn the_height_of_zero_energy_is_dragged_and_moves_no_pendulum() {
     };
     let above_hanging = potential(&harness);
     let canvas = harness.get_by_label_contains("θ1 is 0.800 rad").rect();
-    let reach = 0.5 * canvas.size().min_elem() - 14.0;
+    let reach = 0.5 * canvas.size().min_elem() - 12.0;
     let handle = pos2(canvas.right() - 20.0, canvas.center().y + reach);
     // The reach is that of both rods of 1 m.
     drag(&mut harness, handle, vec2(0.0, -0.5 * reach));

@@ -96,7 +96,7 @@ pub(crate) const SMALL: f32 = 12.0;
 /// Least height of a canvas in points.
 const LEAST_HEIGHT: f32 = 200.0;
 /// Margin in points around the reach of a pendulum, for its bobs.
-const RIM: f32 = 14.0;
+const RIM: f32 = 12.0;
 /// Width of the halo of labels in points.
 const HALO: f32 = 1.2;
 
