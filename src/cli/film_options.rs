@@ -171,18 +171,17 @@ impl FilmOptions {
         if frames.is_some_and(|frames| frames.fract() != 0.0) {
             return Err(Exit::Usage("--frames must be a whole number".to_string()));
         }
-        let fps = self.fps.as_deref().map(fps_of).transpose()?;
+        let fps = said("--fps", &self.fps, Film::FPS)?;
         Ok(FilmLength { secs, frames: frames.map(|frames| frames as u32), fps })
     }
 }
 
-/// Reads the frames per second of a film.
-pub(super) fn fps_of(text: &str) -> Result<f64, Exit> {
-    number_or_ratio("--fps", text, Film::FPS)
-}
-
 /// Reads an option that is a number, or a ratio of two such as 30000/1001, within a range.
-fn number_or_ratio(option: &str, text: &str, range: RangeInclusive<f64>) -> Result<f64, Exit> {
+pub(super) fn number_or_ratio(
+    option: &str,
+    text: &str,
+    range: RangeInclusive<f64>,
+) -> Result<f64, Exit> {
     let number = match text.split_once('/') {
         Some((above, below)) => {
             number(above).zip(number(below)).map(|(above, below)| above / below)

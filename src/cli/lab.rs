@@ -9,14 +9,14 @@ use flipmap_lab::home::home_map;
 use flipmap_lab::set_up::PREFIX;
 use flipmap_lab::sheet::sheet;
 use flipmap_lab::still::{Still, StillPainter, still};
-use flipmap_lab::take_away::{Extent, FPS, TakeAway, write_still};
+use flipmap_lab::take_away::{Extent, FPS, TakeAway, fps_range, write_still};
 use flipmap_lab::{Figure, Lab, Theme, flips};
 use flipmap_render::film::ffmpeg::Codec;
 use flipmap_render::output::PICTURES;
 use flipmap_scene::not_among;
 
 use super::exit::Exit;
-use super::film_options::fps_of;
+use super::film_options::number_or_ratio;
 use super::options::number_of;
 use super::same_file::{keep_apart, one_stream};
 use super::size;
@@ -39,7 +39,7 @@ pub(super) struct Options {
     /// to 600 (default: 10)
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     at: Option<String>,
-    /// Frames per second of a film, also as 30000/1001 (default: 25)
+    /// Frames per second of a film, 4 to 60, for .gif to 50, also as 30000/1001 (default: 25)
     #[arg(long, value_name = "R", allow_hyphen_values = true)]
     fps: Option<String>,
     /// Width and height of the picture in pixels, each 320 to 8192 (default: 1280x800)
@@ -86,12 +86,12 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
     for (option, path) in &outputs {
         super::check(path, option)?;
     }
-    let codec = film_codec(options)?;
+    let film = film(options)?;
     if lab.figure == Figure::Map {
         if options.at.is_some() {
             return Err(Exit::Usage("--at: the map stands still; leave it out".to_string()).into());
         }
-        if codec.is_some() {
+        if film.is_some() {
             let message = "-o: the map stands still: name a picture, or see flipmap video";
             return Err(Exit::Usage(message.to_string()).into());
         }
@@ -101,20 +101,24 @@ pub(super) fn run(options: &Options) -> anyhow::Result<()> {
         super::write_whole(path, "--csv", live.csv(secs).as_bytes())?;
     }
     let Some(path) = &options.output else { return Ok(()) };
-    let Some(codec) = codec else { return write(path, &still(&mut lab, size, secs)?) };
-    let fps = options.fps.as_deref().map_or(Ok(FPS), fps_of)?;
-    Ok(TakeAway::Film(codec).write(&mut lab, path, Extent { size_px: size, secs, fps })?)
+    match film {
+        Some((codec, fps)) => {
+            Ok(TakeAway::Film(codec).write(&mut lab, path, Extent { size_px: size, secs, fps })?)
+        }
+        None => write(path, &still(&mut lab, size, secs)?),
+    }
 }
 
-/// Returns the codec of the film to write, or `None` if that is a picture or nothing.
-fn film_codec(options: &Options) -> Result<Option<Codec>, Exit> {
+/// Returns the codec and the frames per second of the film to write, or `None` if that is a picture or
+/// nothing.
+fn film(options: &Options) -> Result<Option<(Codec, f64)>, Exit> {
     let codec = options.output.as_deref().and_then(Codec::of);
-    let Some(fps) = &options.fps else {
-        return Ok(codec.filter(|codec| *codec != Codec::WebP));
+    let Some(text) = &options.fps else {
+        return Ok(codec.filter(|codec| *codec != Codec::WebP).map(|codec| (codec, FPS)));
     };
-    fps_of(fps)?;
     let needs = "--fps: only films have frames per second: give -o FILM.gif, .webp, .mp4 or .mkv";
-    codec.map(Some).ok_or_else(|| Exit::Usage(needs.to_string()))
+    let codec = codec.ok_or_else(|| Exit::Usage(needs.to_string()))?;
+    Ok(Some((codec, number_or_ratio("--fps", text, fps_range(codec))?)))
 }
 
 /// Computes a small map and writes it as the map figure, which in the window is the explorer.

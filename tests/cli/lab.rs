@@ -35,6 +35,7 @@ fn a_sheet_is_a_page_and_nothing_else() {
         (&["lab", "map", "--csv", "a.csv", "--at", "3"], "--at: the map stands still"),
         (&["lab", "double", "-o", "a.png", "--fps", "30"], "--fps: only films have frames"),
         (&["lab", "double", "-o", "a.webp", "--fps", "0"], "--fps is '0'; it must lie"),
+        (&["lab", "double", "-o", "a.gif", "--fps", "60"], "--fps is '60'; it must lie"),
         (&["lab", "sheet", "-o", "a.png"], ".html"),
     ] {
         let output = flipmap(&folder, bad);

@@ -8,12 +8,13 @@ use super::chart::{Chart, ChartAxis, Curve};
 use super::controls::{FRICTIONS, build, friction, row, thrown};
 use super::double_simulation::{DoublePendulumSimulation, draw_rods, told};
 use super::drawing::{FigureCanvas, StageReach, Tint, end, ends, wrapped};
+use super::energy::hanging_m;
 use super::quantity::{PendulumAt, Quantity};
 use super::reversal::{MAX_OUT_SECS, Reversal};
 use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::twin::Twin;
-use super::zero_height::ZERO_LABEL;
+use super::zero_height::{ZERO_LABEL, ZeroHeight};
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
 use flipmap_pendulum::State;
@@ -117,7 +118,7 @@ impl Double {
         let lengths = self.simulation.build.lengths_m();
         let (reach, told) = (lengths[0] + lengths[1], self.simulation.told());
         let (stage, response) = FigureCanvas::new(ui, size, StageReach::of_rods(reach), told);
-        let zero = self.simulation.zero.lay_on(ui, &stage, -reach);
+        let zero = self.simulation.zero.lay_on(ui, &stage, hanging_m(&self.simulation.build));
         let simulation = &self.simulation;
         let angle = simulation.now().angle.map(wrapped);
         let [first, second] = ends(lengths, angle);
@@ -203,12 +204,12 @@ impl Double {
             of.path.iter().copied().chain([now]).collect::<Vec<_>>()
         };
         let beside = twin.map(moments).unwrap_or_default();
-        let zero = self.simulation.zero;
+        let zero_m = self.simulation.zero_m();
         let point = |(k, (secs, state)): (usize, &(f64, State<f64>))| {
             let other = twin.zip(beside.get(k));
             let other =
-                other.map(|(twin, (_, state))| PendulumAt { build: &twin.build, state, zero });
-            let own = PendulumAt { build: &simulation.build, state, zero };
+                other.map(|(twin, (_, state))| PendulumAt { build: &twin.build, state, zero_m });
+            let own = PendulumAt { build: &simulation.build, state, zero_m };
             self.axes.map(|quantity| quantity.value(own, *secs, other))
         };
         moments(simulation).iter().enumerate().map(point).collect()
@@ -327,7 +328,8 @@ impl LiveFigure for Double {
         ui.add_enabled_ui(self.reversal.is_none(), |ui| self.axis_menus(ui));
         self.experiments(ui);
         ui.separator();
-        self.simulation.zero.control(ui);
+        let reach_m: f64 = self.simulation.build.lengths_m().iter().sum();
+        self.simulation.zero.control(ui, reach_m);
         let (simulation, state) = (&self.simulation, self.shown());
         simulation.energy(&state).bar(ui, "energy");
         Grid::new("double now").num_columns(2).show(ui, |ui| {
@@ -348,13 +350,15 @@ impl LiveFigure for Double {
         let mut words = self.simulation.set_up();
         let friction = self.simulation.build.friction[0].value();
         words.push(SetUpWord::numbers("friction", [friction], FRICTIONS));
+        words.push(self.simulation.zero.word());
         words
     }
 
     fn take_set_up(&mut self, numbers: &[f64]) {
-        let Some((&friction, others)) = numbers.split_last() else { return };
+        let [others @ .., friction, above_m] = numbers else { return };
+        self.simulation.zero = ZeroHeight { above_m: *above_m };
         self.simulation.take_set_up(others);
-        self.simulation.build.friction = [friction.into(); 2];
+        self.simulation.build.friction = [(*friction).into(); 2];
         self.twin = None;
         self.begin(self.simulation.start);
     }

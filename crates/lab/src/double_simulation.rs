@@ -5,7 +5,7 @@ use egui::Response;
 use super::clock::Clock;
 use super::controls::{ANGLES, GRAVITIES, LENGTHS, MASSES, SPEEDS};
 use super::drawing::{FigureCanvas, angle_of, ends, turning, wrapped};
-use super::energy::Energy;
+use super::energy::{Energy, hanging_m};
 use super::set_up::SetUpWord;
 use super::zero_height::ZeroHeight;
 use flipmap_numbers::number_text::fixed;
@@ -68,7 +68,7 @@ impl DoublePendulumSimulation {
         self.path.clear();
     }
 
-    /// Returns the set-up of the figure, without friction.
+    /// Returns the set-up of the figure, without friction and the height of zero energy.
     pub(super) fn set_up(&self) -> Vec<SetUpWord> {
         let PendulumSpec { kind, gravity, .. } = &self.build;
         let State { angle, speed } = self.start;
@@ -79,16 +79,14 @@ impl DoublePendulumSimulation {
             SetUpWord::numbers("gravity", [gravity.value()], GRAVITIES),
             SetUpWord::numbers("speeds", speed, SPEEDS),
             SetUpWord::name("kind", usize::from(*kind == Kind::Rods), &["points", "rods"]),
-            self.zero.word(),
         ]
     }
 
     /// Begins again as the numbers of a set-up say.
     pub(super) fn take_set_up(&mut self, numbers: &[f64]) {
-        let &[t1, t2, m1, m2, l1, l2, gravity, w1, w2, kind, above_m] = numbers else { return };
+        let &[t1, t2, m1, m2, l1, l2, gravity, w1, w2, kind] = numbers else { return };
         let kind = if kind > 0.0 { Kind::Rods } else { Kind::Points };
         self.build = PendulumSpec::new(kind, [m1, m2], [l1, l2], gravity);
-        self.zero = ZeroHeight { above_m };
         self.release(State { angle: [t1, t2], speed: [w1, w2] });
     }
 
@@ -124,7 +122,12 @@ impl DoublePendulumSimulation {
 
     /// Returns the energy of a state.
     pub(super) fn energy(&self, state: &State<f64>) -> Energy {
-        Energy::of(&self.build, state, self.zero)
+        Energy::of(&self.build, state, self.zero_m())
+    }
+
+    /// Returns the height in m above the pivot from which potential energy is counted.
+    pub(super) fn zero_m(&self) -> f64 {
+        hanging_m(&self.build) + self.zero.above_m
     }
 
     /// Seconds since the release.

@@ -176,10 +176,10 @@ impl FigureCanvas {
         self.painter.line_segment(ends, Stroke::new(2.0, colour));
     }
 
-    /// Draws a level line, from the left edge to a place.
+    /// Draws a level line to a place, from the left edge or from the words that are in its way.
     pub(crate) fn level(&self, to: [f64; 2], colour: Color32) {
         let to = self.at(to);
-        let ends = [Pos2::new(self.rect.left(), to.y), to];
+        let ends = [Pos2::new(self.taken.right_of_words(to.y, self.rect.left()), to.y), to];
         self.taken.line(ends);
         self.painter.line_segment(ends, Stroke::new(1.0, colour));
     }

@@ -3,7 +3,6 @@
 use egui::{Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 use super::drawing::Tint;
-use super::zero_height::ZeroHeight;
 use flipmap_numbers::number_text::fixed;
 use flipmap_pendulum::State;
 use flipmap_scene::PendulumSpec;
@@ -19,29 +18,27 @@ pub(crate) struct Energy {
 }
 
 impl Energy {
-    /// Creates the energy of a pendulum of a weight in N from its parts, of which the potential one is
-    /// counted from where it hangs at rest.
-    pub(crate) fn new(
-        [kinetic, potential]: [f64; 2],
-        weight_newtons: f64,
-        zero: ZeroHeight,
-    ) -> Self {
-        let least = -weight_newtons * zero.above_m;
-        Energy { kinetic, potential: potential + least, least }
+    /// Creates the energy of a pendulum from its parts, of which the potential one is counted from where
+    /// it hangs at rest; `lift_joules` is the work of lifting it from there to the height that counts
+    /// instead.
+    pub(crate) fn new([kinetic, potential]: [f64; 2], lift_joules: f64) -> Self {
+        Energy { kinetic, potential: potential - lift_joules, least: -lift_joules }
     }
 
-    /// Returns the energy of a double pendulum's state.
-    pub(crate) fn of(build: &PendulumSpec, state: &State<f64>, zero: ZeroHeight) -> Self {
+    /// Returns the energy of a double pendulum's state; the potential energy is counted from `zero_m`
+    /// above the pivot.
+    pub(crate) fn of(build: &PendulumSpec, state: &State<f64>, zero_m: f64) -> Self {
         let pendulum = build.pendulum();
         let potential = pendulum.energy(&State::rest(state.angle));
-        let parts = [pendulum.energy(state) - potential, potential + pendulum.p + pendulum.q];
-        let weight = build.gravity.value() * build.masses_kg().iter().sum::<f64>();
-        Energy::new(parts, weight, zero)
+        let hanging = -pendulum.p - pendulum.q;
+        let parts = [pendulum.energy(state) - potential, potential - hanging];
+        Energy::new(parts, weight_newtons(build) * zero_m - hanging)
     }
 
     /// Returns the energy of a default double pendulum's state, counted from where it hangs at rest.
     pub(crate) fn of_default(state: &State<f64>) -> Self {
-        Energy::of(&PendulumSpec::default(), state, ZeroHeight::default())
+        let build = PendulumSpec::default();
+        Energy::of(&build, state, hanging_m(&build))
     }
 
     /// Returns the sum of both parts.
@@ -53,7 +50,7 @@ impl Energy {
     /// at the sum.
     fn share(self, energy: f64) -> f32 {
         let whole = self.sum() - self.least;
-        if whole > 0.0 { ((energy - self.least) / whole).clamp(0.0, 1.0) as f32 } else { 0.0 }
+        if whole > 0.0 { ((energy - self.least) / whole).clamp(0.0, 1.0) as f32 } else { 1.0 }
     }
 
     /// Shows both parts in one bar, with a mark where it counts as 0, and their sum.
@@ -82,22 +79,50 @@ impl Energy {
     }
 }
 
+fn weight_newtons(build: &PendulumSpec) -> f64 {
+    build.gravity.value() * build.masses_kg().iter().sum::<f64>()
+}
+
+/// Returns the height in m above the pivot of the centre of mass of a double pendulum that hangs at
+/// rest, which is negative.
+pub(crate) fn hanging_m(build: &PendulumSpec) -> f64 {
+    let pendulum = build.pendulum();
+    -(pendulum.p + pendulum.q) / weight_newtons(build)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flipmap_scene::Kind;
 
     #[test]
-    fn another_height_moves_the_potential_energy_and_nothing_else() {
+    fn potential_energy_is_that_of_the_masses_above_the_height_that_counts() {
+        // Masses of 1.5 and 0.7 kg, rods of 0.8 and 1.3 m; the bobs, or the middles of the bars.
+        for (kind, share) in [(Kind::Points, 1.0), (Kind::Rods, 0.5)] {
+            let build = PendulumSpec::new(kind, [1.5, 0.7], [0.8, 1.3], 9.81);
+            let state = State { angle: [1.0, 2.0], speed: [0.5, -1.0] };
+            let [y1, y2] = [0.8 * -1f64.cos(), 1.3 * -2f64.cos()];
+            for zero_m in [-2.1, 0.0, 0.4] {
+                let energy = Energy::of(&build, &state, zero_m);
+                let known = 9.81 * (1.5 * (share * y1 - zero_m) + 0.7 * (y1 + share * y2 - zero_m));
+                assert!((energy.potential - known).abs() < 1e-12, "{kind:?}, {zero_m}");
+                let hanging = Energy::of(&build, &State::rest([0.0; 2]), zero_m);
+                assert!((hanging.potential - energy.least).abs() < 1e-12);
+            }
+            let none = Energy::of(&build, &State::rest([0.0; 2]), hanging_m(&build));
+            assert!(none.potential.abs() < 1e-12 && none.least.abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn another_height_changes_the_mark_and_not_the_bar() {
         let state = State { angle: [1.0, 2.0], speed: [0.5, -1.0] };
         let build = PendulumSpec::default();
-        let [low, high] =
-            [0.0, 1.0].map(|above_m| Energy::of(&build, &state, ZeroHeight { above_m }));
+        let [low, high] = [0.0, 1.0].map(|by| Energy::of(&build, &state, hanging_m(&build) + by));
         assert_eq!(low.kinetic, high.kinetic);
-        // Two masses of 1 kg hang 1 m below the height.
-        assert!((low.potential - high.potential - 2.0 * 9.81).abs() < 1e-12);
         assert!((low.share(low.potential) - high.share(high.potential)).abs() < 1e-6);
-        assert_eq!((low.share(0.0), low.least), (0.0, 0.0));
+        assert!(low.share(0.0).abs() < 1e-6);
         let zero = f64::from(high.share(0.0)) * (high.sum() - high.least);
-        assert!((zero - 2.0 * 9.81).abs() < 1e-4, "the mark stands at the height: {zero}");
+        assert!((zero - 2.0 * 9.81).abs() < 1e-4, "two masses of 1 kg, 1 m higher: {zero} J");
     }
 }

@@ -60,6 +60,13 @@ impl Taken {
         self.shapes.borrow_mut().push(area);
     }
 
+    /// Returns the horizontal place right of `left` and of all words at a height.
+    pub(super) fn right_of_words(&self, y: f32, left: f32) -> f32 {
+        let words = self.words.borrow();
+        let there = words.iter().filter(|area| area.y_range().contains(y));
+        there.map(|area| area.right()).fold(left, f32::max)
+    }
+
     /// Marks a line as taken.
     pub(super) fn line(&self, ends: [Pos2; 2]) {
         self.lines.borrow_mut().push(ends);

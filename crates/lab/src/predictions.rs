@@ -85,12 +85,12 @@ const GHOST: [Prediction; 3] = [
         set_up: Some("start=0.174533"),
     },
     Prediction {
-        ask: "The same swing of 2.6 rad on the Moon, where g is a sixth: how does the curve change?",
-        choices: ["It becomes higher.", "It stays as it is.", "It becomes lower."],
-        right: 1,
-        observe: "Let go, then move the slider of gravity to 1.62. Which of the numbers change, and does \
+        ask: "Period over 2π√(r/g), drawn for the Moon, where g is a sixth: how does the curve change?",
+        choices: ["It stays as it is.", "It becomes higher.", "It becomes lower."],
+        right: 0,
+        observe: "Move the slider of gravity to 1.62. Which of the numbers change, and does \
                   the curve?",
-        why: "g only sets the unit of time: both periods become √6 times longer. Their ratio, 1 over the \
+        why: "g only sets the unit of time: both periods become about √6 times as long. Their ratio, 1 over the \
               agm of 1 and cos(θ0/2), depends on the amplitude alone, and grows without limit towards \
               the top, where the pull fades and the bob creeps.",
         set_up: Some("start=2.6"),

@@ -2,7 +2,6 @@
 
 use super::drawing::{ends, wrapped};
 use super::energy::Energy;
-use super::zero_height::ZeroHeight;
 use flipmap_pendulum::State;
 use flipmap_scene::{Kind, PendulumSpec};
 
@@ -23,12 +22,13 @@ pub(crate) enum Quantity {
     Apart,
 }
 
-/// A pendulum and its state, and the height from which its potential energy is counted.
+/// A pendulum and its state, and the height in m above the pivot from which its potential energy is
+/// counted.
 #[derive(Clone, Copy)]
 pub(crate) struct PendulumAt<'a> {
     pub build: &'a PendulumSpec,
     pub state: &'a State<f64>,
-    pub zero: ZeroHeight,
+    pub zero_m: f64,
 }
 
 impl Quantity {
@@ -72,7 +72,7 @@ impl Quantity {
     /// Returns the value `secs` after the release, in the unit of the name; angles are from −π to π.
     /// `other` is the twin at the same moment; a pendulum without one is 0 m away from it.
     pub(crate) fn value(self, at: PendulumAt, secs: f64, other: Option<PendulumAt>) -> f64 {
-        let PendulumAt { build, state, zero } = at;
+        let PendulumAt { build, state, zero_m } = at;
         let State { angle, speed } = *state;
         let pendulum = build.pendulum();
         match self {
@@ -84,9 +84,9 @@ impl Quantity {
                 mass[0] * speed[0] + mass[1] * speed[1]
             }
             Quantity::Acceleration(bob) => pendulum.acceleration(state)[bob],
-            Quantity::Kinetic => Energy::of(build, state, zero).kinetic,
+            Quantity::Kinetic => Energy::of(build, state, zero_m).kinetic,
             Quantity::CrossTerm => pendulum.equation(state).mass[0][1] * speed[0] * speed[1],
-            Quantity::Potential => Energy::of(build, state, zero).potential,
+            Quantity::Potential => Energy::of(build, state, zero_m).potential,
             Quantity::Tension(bob) => tensions(build, state)[bob],
             Quantity::Apart => {
                 let bob = |at: PendulumAt| ends(at.build.lengths_m(), at.state.angle)[1];
@@ -136,12 +136,13 @@ fn tensions(build: &PendulumSpec, state: &State<f64>) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::energy::hanging_m;
     use flipmap_numbers::trig::Turning;
     use flipmap_pendulum::integrator::rk4;
     use std::f64::consts::{FRAC_PI_2, SQRT_2};
 
     fn at<'a>(build: &'a PendulumSpec, state: &'a State<f64>) -> PendulumAt<'a> {
-        PendulumAt { build, state, zero: ZeroHeight::default() }
+        PendulumAt { build, state, zero_m: hanging_m(build) }
     }
 
     fn builds() -> [PendulumSpec; 2] {

@@ -11,7 +11,7 @@ use super::formula::Formula;
 use super::ruler::StageRuler;
 use super::set_up::SetUpWord;
 use super::single_simulation::SinglePendulumSimulation;
-use super::zero_height::ZERO_LABEL;
+use super::zero_height::{ZERO_LABEL, ZeroHeight};
 use super::{FigureRequest, LiveFigure};
 use flipmap_numbers::number_text::{column, fixed};
 use flipmap_pendulum::State;
@@ -166,7 +166,7 @@ impl LiveFigure for Single {
     fn controls(&mut self, ui: &mut Ui) -> Option<FigureRequest> {
         self.0.controls(ui);
         ui.separator();
-        self.0.zero.control(ui);
+        self.0.zero.control(ui, self.0.simple.length);
         self.0.energy(self.0.now()).bar(ui, "energy");
         Grid::new("single now").num_columns(2).show(ui, |ui| {
             row(ui, "time", format!("{} s", column(self.0.secs(), 3, 8)));
@@ -179,11 +179,15 @@ impl LiveFigure for Single {
     }
 
     fn set_up(&self) -> Vec<SetUpWord> {
-        self.0.set_up()
+        let mut words = self.0.set_up();
+        words.push(self.0.zero.word());
+        words
     }
 
     fn take_set_up(&mut self, numbers: &[f64]) {
-        self.0.take_set_up(numbers);
+        let [others @ .., above_m] = numbers else { return };
+        self.0.zero = ZeroHeight { above_m: *above_m };
+        self.0.take_set_up(others);
     }
 
     fn csv(&self, secs: f64) -> String {

@@ -144,10 +144,10 @@ impl SinglePendulumSimulation {
         let (mass, Simple { length, gravity }) = (self.mass, self.simple);
         let kinetic = 0.5 * mass * (length * swing.speed).powi(2);
         let potential = mass * gravity * length * (1.0 - swing.angle.cos());
-        Energy::new([kinetic, potential], mass * gravity, self.zero)
+        Energy::new([kinetic, potential], mass * gravity * self.zero.above_m)
     }
 
-    /// Returns the set-up of the figure.
+    /// Returns the set-up of the figure, without the height of zero energy.
     pub(super) fn set_up(&self) -> Vec<SetUpWord> {
         let simple = &self.simple;
         vec![
@@ -155,15 +155,13 @@ impl SinglePendulumSimulation {
             SetUpWord::numbers("rod", [simple.length], RODS),
             SetUpWord::numbers("mass", [self.mass], MASSES),
             SetUpWord::numbers("gravity", [simple.gravity], GRAVITIES),
-            self.zero.word(),
         ]
     }
 
     /// Begins again as the numbers of a set-up say.
     pub(super) fn take_set_up(&mut self, numbers: &[f64]) {
-        if let &[amplitude, length, mass, gravity, above_m] = numbers {
+        if let &[amplitude, length, mass, gravity] = numbers {
             self.simple = Simple { length, gravity };
-            self.zero = ZeroHeight { above_m };
             self.mass = mass;
             self.release(amplitude);
         }

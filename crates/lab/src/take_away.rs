@@ -1,6 +1,7 @@
 //! What can be taken away from a figure: a picture, a film of its motion, and its data.
 
 use std::io;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use egui::Theme;
@@ -52,6 +53,15 @@ impl From<FfmpegError> for TakeAwayError {
 
 /// Frames per second of a film, unless the user says otherwise.
 pub const FPS: f64 = 25.0;
+
+/// Returns the range of a film's frames per second. A figure catches up with a quarter of a second at
+/// most between two frames, and players show the frames of a GIF no faster than 50 a second.
+pub fn fps_range(codec: Codec) -> RangeInclusive<f64> {
+    match codec {
+        Codec::Gif => 4.0..=50.0,
+        Codec::Mp4 | Codec::Ffv1 | Codec::WebP => 4.0..=60.0,
+    }
+}
 
 /// How large, how long and how smooth what is taken away is.
 #[derive(Clone, Copy, Debug, PartialEq)]

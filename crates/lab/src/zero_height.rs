@@ -11,7 +11,7 @@ use super::set_up::SetUpWord;
 /// A height at which potential energy counts as zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct ZeroHeight {
-    /// Height in m above the lowest place that the pendulum reaches.
+    /// Height in m above the centre of mass of the pendulum that hangs at rest.
     pub above_m: f64,
 }
 
@@ -19,36 +19,38 @@ pub(super) struct ZeroHeight {
 pub(super) const ZERO_LABEL: &str = "energy 0";
 /// Range of the height in m.
 const HEIGHTS: RangeInclusive<f64> = 0.0..=12.0;
-/// Size in points of the area in which the line can be grabbed, and its distance from the edge.
+/// Size in points of the area in which the line can be grabbed.
 const GRIP: f32 = 20.0;
 
 impl ZeroHeight {
-    /// Shows the height as a number with a slider.
-    pub(super) fn control(&mut self, ui: &mut Ui) {
+    /// Shows the height as a number with a slider, as high as a pendulum of this reach in m swings.
+    pub(super) fn control(&mut self, ui: &mut Ui, reach_m: f64) {
         Grid::new("zero").num_columns(2).show(ui, |ui| {
-            number(ui, "Energy 0 at", " m", &mut self.above_m, HEIGHTS);
+            number(ui, "Raise energy 0", " m", &mut self.above_m, 0.0..=2.0 * reach_m);
         });
     }
 
-    /// Draws the line on a stage on which the lowest place is `lowest_m` above the pivot, and follows
-    /// a drag of its handle. Returns the handle's place, where there is room for [`ZERO_LABEL`]; none
-    /// if the height is outside the stage.
+    /// Draws the line on a stage, on which the pendulum's centre of mass hangs at `hanging_m` above the
+    /// pivot, and follows a drag of its handle. Returns the handle's place, where there is room for
+    /// [`ZERO_LABEL`]; none if the height is outside the stage.
     pub(super) fn lay_on(
         &mut self,
         ui: &mut Ui,
         stage: &FigureCanvas,
-        lowest_m: f64,
+        hanging_m: f64,
     ) -> Option<[f64; 2]> {
-        let x = stage.rect.right() - GRIP;
-        let at = |above_m: f64| pos2(x, stage.at([0.0, lowest_m + above_m]).y);
-        let grip = Rect::from_center_size(at(self.above_m), Vec2::splat(GRIP));
-        let response = ui.interact(grip, Id::unique("zero height"), Sense::drag());
-        if response.dragged() {
-            let [_, y] = stage.place(at(self.above_m) + response.drag_delta());
-            self.above_m = (y - lowest_m).clamp(*HEIGHTS.start(), *HEIGHTS.end());
-        }
+        // At the edge, away from bobs.
+        let x = stage.rect.right() - 0.5 * GRIP;
+        let at = |above_m: f64| pos2(x, stage.at([0.0, hanging_m + above_m]).y);
         if !stage.rect.contains(at(self.above_m)) {
             return None;
+        }
+        let grip = Rect::from_center_size(at(self.above_m), Vec2::splat(GRIP));
+        let response = ui.interact(grip, Id::unique("zero height"), Sense::drag());
+        if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+            let y = pointer.y.clamp(stage.rect.top(), stage.rect.bottom());
+            let [_, height] = stage.place(pos2(x, y));
+            self.above_m = (height - hanging_m).clamp(*HEIGHTS.start(), *HEIGHTS.end());
         }
         let handle = stage.place(at(self.above_m));
         stage.level(handle, stage.tint.faint.gamma_multiply(0.6));

@@ -170,11 +170,11 @@ impl Runner {
         let news = if has_news { self.pace.pause(&model.progress(), began) } else { Duration::MAX };
         let moving = moving || model.state.moving.is_some();
         let works = model.compute.is_waiting() && !model.lab_hides_map();
-        let again = if moving || works { Duration::ZERO } else { again };
-        let again = again.min(news);
+        let again = if moving || works { Duration::ZERO } else { again.min(news) };
         if again < Duration::from_secs(3600) {
-            // Counted from the beginning of this frame, so that its length is no part of the pause.
-            self.draw_at(began + again);
+            // A figure keeps its pace, however long its frames take; a map's frames leave time to compute.
+            let since = if model.lab_hides_map() { began } else { Instant::now() };
+            self.draw_at(since + again);
         }
         for effect in effects {
             self.perform(event_loop, effect);
