@@ -13,9 +13,10 @@ pub(super) fn simplified(places: &[Pos2]) -> Vec<Pos2> {
     (is_kept[0], is_kept[last]) = (true, true);
     let mut pieces = vec![(0, last)];
     while let Some((first, last)) = pieces.pop() {
-        let off = |k: usize| distance(places[k], [places[first], places[last]]);
-        let farthest = (first + 1..last).max_by(|a, b| off(*a).total_cmp(&off(*b)));
-        if let Some(middle) = farthest.filter(|middle| off(*middle) > TOLERANCE) {
+        let ends = [places[first], places[last]];
+        let off = (first + 1..last).map(|k| (k, distance(places[k], ends)));
+        let farthest = off.max_by(|(_, a), (_, b)| a.total_cmp(b));
+        if let Some((middle, _)) = farthest.filter(|(_, off)| *off > TOLERANCE) {
             is_kept[middle] = true;
             pieces.extend([(first, middle), (middle, last)]);
         }

@@ -90,9 +90,9 @@ const GHOST: [Prediction; 3] = [
         right: 0,
         observe: "Move the slider of gravity to 1.62. Which of the numbers change, and does \
                   the curve?",
-        why: "g only sets the unit of time: both periods become about √6 times as long. Their ratio, 1 over the \
-              agm of 1 and cos(θ0/2), depends on the amplitude alone, and grows without limit towards \
-              the top, where the pull fades and the bob creeps.",
+        why: "g only sets the unit of time: both periods become about √6 times as long. Their ratio, \
+              1 over the agm of 1 and cos(θ0/2), depends on the amplitude alone, and grows without \
+              limit towards the top, where the pull fades and the bob creeps.",
         set_up: Some("start=2.6"),
     },
 ];
