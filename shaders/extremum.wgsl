@@ -1,6 +1,5 @@
-// A tile's pendulums and the extreme of a quantity along their motion (counterpart:
-// crates/engine/src/cpu/extremum.rs); all run to the end of the budget, where the last step is cut.
-// `advance` stops before a step in which the quantity has an extreme, and `look` finds it.
+// The extreme of a quantity along a motion (counterpart: crates/engine/src/cpu/extremum.rs). `advance`
+// stops before a step in which the quantity has one, and `look` finds it.
 
 // Halvings in the search for an extreme: its time to a billionth of a step.
 const HALVINGS = 30u;
@@ -14,50 +13,17 @@ fn is_beyond(value: Real, other: Real) -> bool {
 {% endif %}
 }
 
-@compute @workgroup_size(WORKGROUP)
-fn advance(@builtin(global_invocation_id) id: vec3<u32>) {
-    let pixel = pixel_at(queue.turn, id.x);
-    if pixel == NO_PIXEL {
-        return;
-    }
-    var now = state_of(pixel);
-    var steps = outcomes[pixel].steps;
-    let most_steps = most_steps_to_end();
-{% if not adaptive %}
-    let begun = begun_before_steps(now.time, steps, now.h, zero);
-{% endif %}
-    let stop = min(steps + job.slice_steps, most_steps);
-    var suspect = false;
-    while !suspect && steps < stop && rough(now.time) < job.budget {
-        let length = length_within(now.h, now.time, zero);
-        let step = step_from(now, length);
-{% if adaptive %}
-        let excess = excess_of(rough(step.error_squared), rough(now.time));
-        let accepted = excess < 0;
-{% else %}
-        let accepted = true;
-{% endif %}
-        let turns = rough(step.rate) < 0 && rough(step.rate_next) >= 0;
-        suspect = accepted && rough(now.counts) > 0 && turns;
-        let taken = accepted && !suspect;
-        // The quantity turns towards its next extreme.
-        let leaves = taken && rough(step.rate) > 0 && rough(step.rate_next) < 0;
-        now = chosen(taken, step.next, now);
-        now.counts = select(now.counts, real(1.0), leaves);
-{% if adaptive %}
-        now.h = select(real(next_length(rough(length), excess)), now.h, suspect);
-{% endif %}
-        steps += select(1u, 0u, suspect);
-{% if not adaptive %}
-        let time = time_after_steps(begun, steps, now.h);
-        now.time = select(now.time, time, taken && length == now.h);
-{% endif %}
-    }
-    keep_state(pixel, now);
-    outcomes[pixel].steps = steps;
-    let over = rough(now.time) >= job.budget;
-    let sound = finite(now.x1) && (over || steps < most_steps);
-    end_slice(pixel, sound, over, suspect);
+// Returns true if the quantity has an extreme in a step.
+fn is_suspect(now: State, step: Step) -> bool {
+    return rough(now.counts) > 0 && rough(step.rate) < 0 && rough(step.rate_next) >= 0;
+}
+
+// The state after a step: extremes count once the quantity has turned the other way.
+fn gathered(after: State, step: Step, taken: bool) -> State {
+    var now = after;
+    let leaves = taken && rough(step.rate) > 0 && rough(step.rate_next) < 0;
+    now.counts = select(now.counts, real(1.0), leaves);
+    return now;
 }
 
 // The state after a step of length `whole` in which the quantity has an extreme, which it keeps.

@@ -11,7 +11,7 @@ macro_rules! kernel_parts {
 
 kernel_parts! {
     "shared" "outcome" "f32" "df32" "f64" "state" "flip" "fixed" "fixed_look" "fixed_passes"
-    "control" "carried" "tangents" "extremum" "phase" "adaptive" "look_on_quartic"
+    "control" "carried" "gather" "tangents" "extremum" "phase" "adaptive" "look_on_quartic"
     "look_by_trials" "look" "series" "course" "series_look" "begin" "turn" "pack" "selfcheck"
 }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 use flipmap_engine::choice::IntegrationSetting;
 use flipmap_engine::profile::Profile;
 use flipmap_engine::run_settings::RunSpec;
-use flipmap_engine::{Accuracy, EngineKind, WantedEnds};
+use flipmap_engine::{Accuracy, EngineKind};
 use flipmap_render::output::{Paths, Sinks, is_stdout, whole_bytes};
 use flipmap_render::tiles::{Samples, mirrored_bytes};
 use flipmap_scene::Document;
@@ -109,7 +109,7 @@ const CARRIED_BYTES: u64 = 200;
 /// Returns the bytes of the saved pixels of a picture in a file and in memory. Mirror images are not
 /// saved.
 fn saved_bytes(document: &Document, size: [u32; 2]) -> [u64; 2] {
-    let carries = WantedEnds::from(document.question.ask.kind().needs).are_carried();
+    let carries = document.question.ask.kind().needs.are_carried();
     let [width, height] = size.map(u64::from);
     let saved = match mirrored_bytes(&document.scene(), size) {
         Some(_) => width * height.div_ceil(2),

@@ -7,11 +7,12 @@ use flipmap_engine::gpu::device::is_software;
 use flipmap_engine::level::FINEST;
 use flipmap_engine::trust::TrustEngine;
 use flipmap_engine::{
-    Accuracy, Engine, EventSpec, FinalState, Job, JobResult, Keep, Starts, Trust, Wait, WantedEnds,
+    Accuracy, Engine, EventSpec, FinalState, Job, JobResult, Keep, Starts, Trust, Wait,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Rule, Status};
 use flipmap_scene::Scene;
+use flipmap_scene::question::Needs;
 
 needs_adapter! {
     checks:
@@ -90,7 +91,7 @@ mod checks {
 
     pub(crate) fn they_carry_no_tangents() {
         let starts = Starts::Rest(open_starts(&Scene::default(), 8, 1));
-        let keep = Keep { ends: WantedEnds::Growth, states: false };
+        let keep = Keep { ends: Needs::Growth, states: false };
         let question = soon(Rule::Neither, 1);
         let job = Job { id: 0, question, config: FINEST, starts, keep };
         let error = gpu_engine().submit(job).unwrap_err().to_string();

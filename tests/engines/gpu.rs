@@ -13,11 +13,12 @@ use flipmap_engine::gpu::{GpuEngine, MAX_KERNELS};
 use flipmap_engine::level::{BALANCED_DF32, FAST_TO_COMPILE, FINEST};
 use flipmap_engine::{
     Accuracy, Engine, EngineError, EngineKind, EventSpec, GpuTuning, IntegratorConfig, Job, Keep,
-    Method, Precision, Starts, Wait, WantedEnds,
+    Method, Precision, Starts, Wait,
 };
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
 use flipmap_pendulum::extremum::Extremum;
+use flipmap_scene::question::Needs;
 use flipmap_scene::{PendulumSpec, Scene};
 
 /// The `lesson` configurations in both precisions, those of `fast` and `balanced`, and expansions.
@@ -95,7 +96,7 @@ mod checks {
     pub(crate) fn slices_end_growth_and_returns_in_the_same_numbers() {
         let question = EventSpec { rule: Rule::Neither, ..question(&Scene::default()) };
         let starts = open_starts(&Scene::default(), 24, 1);
-        for ends in [WantedEnds::Growth, WantedEnds::Extremum(Extremum::NearestReturn)] {
+        for ends in [Needs::Growth, Needs::Extremum(Extremum::NearestReturn)] {
             for config in configs().into_iter().filter(|config| *config != FINEST) {
                 let results = [1, 1_000_000].map(|pace| {
                     let mut engine = gpu_engine();

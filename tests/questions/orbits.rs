@@ -3,13 +3,14 @@
 use flipmap_engine::cpu::CpuEngine;
 use flipmap_engine::level::{BALANCED, FAST};
 use flipmap_engine::{
-    Engine, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, Trust, WantedEnds,
+    Engine, EventSpec, IntegratorConfig, Job, Keep, Method, Precision, Starts, Trust,
 };
 use flipmap_numbers::Dd;
 use flipmap_pendulum::extremum::Extremum;
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{State, Status};
 use flipmap_render::tiles::{Renderer, Samples};
+use flipmap_scene::question::Needs;
 use flipmap_scene::question::QuestionName;
 use flipmap_scene::{Plane, PlaneKind, Scene};
 use rayon::prelude::*;
@@ -68,7 +69,7 @@ fn growth_and_returns_in_double_double_are_right_to_the_last_digits() {
         question: EventSpec::from(&returns),
         config: DD,
         starts: Starts::Rest(vec![[Dd::new(1.0); 2]]),
-        keep: Keep { ends: WantedEnds::Extremum(Extremum::NearestReturn), states: true },
+        keep: Keep { ends: Needs::Extremum(Extremum::NearestReturn), states: true },
     };
     let refused = { engine }.submit(job).unwrap_err().to_string();
     assert!(refused.contains("so it cannot be saved"), "{refused}");

@@ -14,11 +14,12 @@ use flipmap_engine::gpu::shared::{
 };
 use flipmap_engine::level::{BALANCED, FAST, LESSON};
 use flipmap_engine::pace::Pace;
-use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, WantedEnds};
+use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision};
 use flipmap_numbers::Decimal;
 use flipmap_pendulum::Rule;
 use flipmap_pendulum::extremum::Extremum;
 use flipmap_render::output::sha256;
+use flipmap_scene::question::Needs;
 use flipmap_scene::{Kind, PendulumSpec};
 use flipmap_shaders::{KEPT, KERNEL_PARTS, PICTURE};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -133,9 +134,7 @@ fn designs() -> Vec<Design> {
                     };
                     designs.extend(builds.map(made));
                     if rule == Rule::Neither && method.name() != "taylor" {
-                        for ends in
-                            [WantedEnds::Growth, WantedEnds::Extremum(Extremum::NearestReturn)]
-                        {
+                        for ends in [Needs::Growth, Needs::Extremum(Extremum::NearestReturn)] {
                             designs.extend(builds.map(|build| made(build).computing(ends)));
                         }
                     }

@@ -11,10 +11,11 @@ use flipmap_engine::gpu::kernel::{Design, pack_text, selfcheck_text};
 use flipmap_engine::gpu::packing::Packing;
 use flipmap_engine::gpu::shared::{JobHead, NO_MOMENT, PackedWork, RawOutcome};
 use flipmap_engine::pace::Pace;
-use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision, WantedEnds};
+use flipmap_engine::{EventSpec, IntegratorConfig, Method, Precision};
 use flipmap_pendulum::Rule;
 use flipmap_pendulum::extremum::Extremum;
 use flipmap_scene::PendulumSpec;
+use flipmap_scene::question::Needs;
 use naga::back::{glsl, hlsl, msl, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
@@ -52,11 +53,8 @@ fn designs(subgroups: bool) -> Vec<(String, Design)> {
             ("either", made(Rule::Either, 1)),
             ("passes", made(Rule::Second, 3)),
             ("turns", made(Rule::Neither, 1)),
-            ("growth", made(Rule::Neither, 1).computing(WantedEnds::Growth)),
-            (
-                "return",
-                made(Rule::Neither, 1).computing(WantedEnds::Extremum(Extremum::NearestReturn)),
-            ),
+            ("growth", made(Rule::Neither, 1).computing(Needs::Growth)),
+            ("return", made(Rule::Neither, 1).computing(Needs::Extremum(Extremum::NearestReturn))),
         ];
         let name = |question| format!("{method}-{number}-{question}");
         // Expansions carry nothing along.

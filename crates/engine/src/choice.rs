@@ -6,7 +6,8 @@ use super::cpu::CpuEngine;
 use super::depth::{DepthEngine, Following};
 use super::profile::{Profile, ProfileRow};
 use super::threads::threads_beside;
-use super::{Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision, WantedEnds};
+use super::{Accuracy, Engine, EngineError, EngineKind, IntegratorConfig, Precision};
+use flipmap_scene::question::Needs;
 use flipmap_scene::{QuestionSettings, SceneError};
 
 /// A user's request for an engine.
@@ -21,7 +22,7 @@ pub struct EngineRequest {
     /// The accuracy level or the configuration to compute with.
     pub setting: IntegrationSetting,
     /// The ends that the configuration has to compute, if any configuration of the level can.
-    pub ends: WantedEnds,
+    pub ends: Needs,
     /// True if answers are checked even at levels other than `exact` (see
     /// [`EngineRequest::verifies`]).
     pub verify: bool,
@@ -37,7 +38,7 @@ impl EngineRequest {
     /// profiles do not compare engines on these questions.
     #[must_use]
     pub fn answering(self, question: &QuestionSettings) -> Self {
-        let ends = WantedEnds::from(question.ask.kind().needs);
+        let ends = question.ask.kind().needs;
         let is_named = self.kind.is_some() || self.adapter.is_some();
         let kind = if ends.are_carried() && !is_named { Some(EngineKind::Cpu) } else { self.kind };
         EngineRequest { kind, ends, ..self }
@@ -65,7 +66,7 @@ impl EngineRequest {
     /// Returns true if `config` cannot compute the ends of this request, but another configuration
     /// that satisfies the request can.
     pub fn outgrows(&self, config: &IntegratorConfig) -> bool {
-        let can = |config: &IntegratorConfig| self.ends.check(config).is_ok();
+        let can = |config: &IntegratorConfig| config.check_needs(self.ends).is_ok();
         !can(config) && self.configs().iter().any(can)
     }
 
@@ -73,8 +74,8 @@ impl EngineRequest {
     /// first; if none computes the ends, all that satisfy the setting.
     fn configs(&self) -> Vec<IntegratorConfig> {
         let mut configs = self.setting.configs();
-        if configs.iter().any(|config| self.ends.check(config).is_ok()) {
-            configs.retain(|config| self.ends.check(config).is_ok());
+        if configs.iter().any(|config| config.check_needs(self.ends).is_ok()) {
+            configs.retain(|config| config.check_needs(self.ends).is_ok());
         }
         configs
     }
@@ -88,7 +89,7 @@ impl Default for EngineRequest {
             adapter: None,
             threads: None,
             setting,
-            ends: WantedEnds::None,
+            ends: Needs::Outcome,
             verify: false,
             tuning: GpuTuning::default(),
             own_thread: true,
@@ -152,7 +153,7 @@ pub struct Chosen {
 /// Chooses and starts an engine; `tell` receives a message before anything that takes long.
 pub fn choose(request: &EngineRequest, tell: &dyn Fn(&str)) -> Result<Chosen, ChoiceError> {
     // Whatever the engine is, it is refused before it is measured and its kernels are compiled.
-    request.ends.check(&request.configs()[0])?;
+    request.configs()[0].check_needs(request.ends)?;
     let chosen = match (request.kind, &request.adapter) {
         (Some(EngineKind::Cpu), _) if request.ends.are_carried() => {
             cpu(request, "the engine for this question unless another is named".to_string())?

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::WantedEnds;
 use flipmap_pendulum::Accumulators;
 use flipmap_pendulum::phase::Phase;
+use flipmap_scene::question::Needs;
 
 /// Largest number of values in a pendulum's state (see [`super::start`]).
 pub const NUMBERS: usize = 15;
@@ -27,14 +27,7 @@ pub enum Carried {
     /// Turns and passes counted since the release.
     Counts(Accumulators),
     /// The search for an extreme.
-    Extremum {
-        /// The start, in reduced units.
-        start: Phase<f64>,
-        /// True once an extreme counts.
-        counts: bool,
-        /// The extreme so far, and the reduced time at which it occurred.
-        best: [f64; 2],
-    },
+    Extremum(Sought),
     /// Derivatives of unit vectors and momenta with respect to the four numbers of the start.
     Tangents {
         /// The derivatives, scaled down so that none overflows.
@@ -42,6 +35,23 @@ pub enum Carried {
         /// Natural logarithm of the factor by which they were scaled down.
         log_scale: f64,
     },
+}
+
+/// The search for an extreme of a quantity along a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sought {
+    /// The start, in reduced units.
+    pub start: Phase<f64>,
+    /// True once an extreme counts.
+    pub counts: bool,
+    /// The extreme so far, and the reduced time at which it occurred.
+    pub best: [f64; 2],
+}
+
+impl Sought {
+    /// The search of a pendulum of which nothing is asked.
+    const NOTHING: Sought =
+        Sought { start: [0.0; 6], counts: false, best: Accumulators::NONE.extremum };
 }
 
 /// Names of the derivatives of unit vectors and momenta with respect to the four numbers of the
@@ -68,11 +78,11 @@ pub(crate) const MAX_CARRIED_NUMBERS: usize = 25;
 
 /// Returns the names of the numbers that pendulums carry along for `ends`, in the order in which
 /// devices keep them.
-pub(crate) fn carried_names(ends: WantedEnds) -> Vec<&'static str> {
+pub(crate) fn carried_names(ends: Needs) -> Vec<&'static str> {
     match ends {
-        WantedEnds::None | WantedEnds::Plain => Vec::new(),
-        WantedEnds::Growth => [SLOPES.as_flattened(), &[LOG_SCALE]].concat(),
-        WantedEnds::Extremum(_) => [&STARTS[..], &SEARCH].concat(),
+        Needs::Outcome | Needs::End => Vec::new(),
+        Needs::Growth => [SLOPES.as_flattened(), &[LOG_SCALE]].concat(),
+        Needs::Extremum(_) => [&STARTS[..], &SEARCH].concat(),
     }
 }
 
@@ -84,7 +94,7 @@ impl Carried {
             Carried::Tangents { slopes, log_scale } => {
                 slopes.as_flattened().get(place).copied().unwrap_or(*log_scale)
             }
-            Carried::Extremum { start, counts, best } => match place {
+            Carried::Extremum(Sought { start, counts, best }) => match place {
                 0..6 => start[place],
                 6 => f64::from(u8::from(*counts)),
                 _ => best[place - 7],
@@ -94,18 +104,19 @@ impl Carried {
 
     /// Reads the quantities from their numbers; returns `None` if pendulums carry none along for
     /// `ends`.
-    fn from_numbers(ends: WantedEnds, numbers: &[f64]) -> Option<Self> {
+    fn from_numbers(ends: Needs, numbers: &[f64]) -> Option<Self> {
         match ends {
-            WantedEnds::None | WantedEnds::Plain => None,
-            WantedEnds::Growth => {
+            Needs::Outcome | Needs::End => None,
+            Needs::Growth => {
                 let (slopes, rest) = numbers.as_chunks::<4>();
                 let slopes = slopes.try_into().ok()?;
                 Some(Carried::Tangents { slopes, log_scale: *rest.first()? })
             }
-            WantedEnds::Extremum(_) => {
+            Needs::Extremum(_) => {
                 let &[.., counts, value, time] = numbers else { return None };
                 let start = numbers.get(..6)?.try_into().ok()?;
-                Some(Carried::Extremum { start, counts: counts > 0.0, best: [value, time] })
+                let best = [value, time];
+                Some(Carried::Extremum(Sought { start, counts: counts > 0.0, best }))
             }
         }
     }
@@ -113,7 +124,7 @@ impl Carried {
 
 impl IntegratorState {
     /// Creates a state from all its numbers: its own, then those that it carries along for `ends`.
-    pub(crate) fn from_numbers(steps: u32, all: &[f64], ends: WantedEnds) -> Self {
+    pub(crate) fn from_numbers(steps: u32, all: &[f64], ends: Needs) -> Self {
         let (own, carried) = all.split_at(NUMBERS);
         let mut numbers = [0.0; NUMBERS];
         numbers.copy_from_slice(own);
@@ -145,6 +156,14 @@ impl IntegratorState {
         match self.carried.as_deref() {
             Some(Carried::Tangents { log_scale, .. }) => *log_scale,
             _ => 0.0,
+        }
+    }
+
+    /// The search for an extreme that the state carries along, or one that has found nothing.
+    pub(crate) fn sought(&self) -> Sought {
+        match self.carried.as_deref() {
+            Some(Carried::Extremum(sought)) => *sought,
+            _ => Sought::NOTHING,
         }
     }
 

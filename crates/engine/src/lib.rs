@@ -68,6 +68,7 @@ use crate::clock::Instant;
 use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::opening::Opening;
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
+use flipmap_scene::question::Needs;
 use flipmap_scene::{PendulumSpec, Scene, SceneError};
 use pace::{Adaptive, Pace};
 
@@ -78,7 +79,7 @@ pub use depth::DepthStats;
 pub use end::FinalState;
 pub(crate) use integrator_state::Carried;
 pub use integrator_state::{IntegratorState, NUMBERS};
-pub use keep::{Keep, WantedEnds};
+pub use keep::Keep;
 pub use kind::EngineKind;
 pub use level::Accuracy;
 pub use method::{Method, Precision};
@@ -127,10 +128,10 @@ impl EventSpec {
 
     /// Returns the opening that finds the first moments of launches, for the passes that answers
     /// with `ends` report or count.
-    pub(crate) fn opening(&self, ends: WantedEnds) -> Opening {
+    pub(crate) fn opening(&self, ends: Needs) -> Opening {
         let (pendulum, unit_secs) = self.reduced_in::<Exact>();
         let bobs = match self.rule {
-            Rule::Neither if ends == WantedEnds::Plain => Rule::Either.watched(),
+            Rule::Neither if ends == Needs::End => Rule::Either.watched(),
             rule => rule.watched(),
         };
         Opening::new(&pendulum, bobs, self.budget_secs / unit_secs.to_f64())

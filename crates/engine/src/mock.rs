@@ -6,12 +6,13 @@ use std::sync::mpsc::Sender;
 
 use super::{
     Effort, Engine, EngineError, EngineKind, FinalState, IntegratorState, Job, JobResult, Leaf,
-    Moving, NUMBERS, WantedEnds,
+    Moving, NUMBERS,
 };
 use super::{EventSpec, IntegratorConfig, Onset, Starts, Wait};
 use flipmap_numbers::Dd;
 use flipmap_pendulum::{Outcome, Status};
 use flipmap_scene::lattice::side_rad;
+use flipmap_scene::question::Needs;
 
 /// An engine that answers jobs in the order of submission, or in reverse, one per poll.
 pub struct MockEngine {
@@ -148,7 +149,7 @@ impl Engine for MockEngine {
             .collect();
         let effort = Effort { rhs_evaluations: angles.len() as u64, ..Effort::default() };
         let end = |outcome: &Outcome| FinalState { time: outcome.time, ..FinalState::NOWHERE };
-        let ended = outcomes.iter().filter(|_| keep.ends == WantedEnds::Plain);
+        let ended = outcomes.iter().filter(|_| keep.ends == Needs::End);
         let ends: Vec<FinalState> = ended.map(end).collect();
         Ok(vec![JobResult { id, outcomes, unfinished, ends, effort, ..JobResult::default() }])
     }

@@ -34,16 +34,6 @@ impl Pace {
         }
     }
 
-    /// Gives Taylor steps the same tolerance at all times, with an error that falls with `order`;
-    /// leaves the pace of other methods unchanged.
-    pub(super) fn steady(self, method: Method, order: u32) -> Self {
-        if let (Pace::Adaptive(adaptive), Method::Taylor { tolerance }) = (self, method) {
-            let control = Control::new(tolerance, order).steady();
-            return Pace::Adaptive(Adaptive { control, ..adaptive });
-        }
-        self
-    }
-
     /// Approximate number of steps of a pendulum that does not flip.
     pub(crate) fn typical_steps(&self) -> f64 {
         match self {

@@ -8,12 +8,12 @@ use std::f64::consts::{PI, TAU};
 
 use rayon::prelude::*;
 
-use super::integrator_state::carried_names;
+use super::integrator_state::{Sought, carried_names};
 use super::number_parts::{parts, time_parts, vectors};
 use super::pace::Pace;
 use super::{
     Carried, EngineError, EventSpec, FinalState, IntegratorConfig, IntegratorState, Job, Method,
-    Moving, NUMBERS, Onset, Precision, Starts, WantedEnds,
+    Moving, NUMBERS, Onset, Precision, Starts,
 };
 use flipmap_numbers::dual::Dual;
 use flipmap_numbers::{Dd, Scalar};
@@ -24,6 +24,7 @@ use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::series::{MotionSeries, ORDER_F64};
 use flipmap_pendulum::tangents::{TangentMap, Tangents, log_growth, released};
 use flipmap_pendulum::{Accumulators, Launch, Pendulum, State, control};
+use flipmap_scene::question::Needs;
 
 /// Names of the numbers of a fixed-step state.
 pub(crate) const ANGLES: [&str; 6] = ["t1", "t2", "w1", "w2", "t1_low", "t2_low"];
@@ -46,11 +47,7 @@ pub(crate) const STEP: usize = 14;
 
 /// Returns the indices of a device's numbers and of their remainders (see
 /// [`IntegratorState::number`]) for jobs that return `ends`.
-pub(crate) fn places(
-    state: &[&str],
-    precision: Precision,
-    ends: WantedEnds,
-) -> Vec<[Option<usize>; 2]> {
+pub(crate) fn places(state: &[&str], precision: Precision, ends: Needs) -> Vec<[Option<usize>; 2]> {
     let phase = [&PHASE[..], &carried_names(ends)].concat();
     let all: &[&str] = if state.contains(&"h") { &phase } else { &ANGLES };
     let place = |name: &str| all.iter().position(|&other| other == name);
@@ -125,19 +122,19 @@ fn beside_top(job: &Job, reduced: &(Pendulum<Dd>, Dd), moments: &FirstMoments) -
 /// Refuses starts that do not carry the quantities that the job returns.
 pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
     let carries = |state: &IntegratorState| match (job.keep.ends, state.carried.as_deref()) {
-        (WantedEnds::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
-        (WantedEnds::Extremum(_), carried) => matches!(carried, Some(Carried::Extremum { .. })),
-        (WantedEnds::None | WantedEnds::Plain, _) => true,
+        (Needs::Growth, carried) => matches!(carried, Some(Carried::Tangents { .. })),
+        (Needs::Extremum(_), carried) => matches!(carried, Some(Carried::Extremum(_))),
+        (Needs::Outcome | Needs::End, _) => true,
     };
     let is_possible = match &job.starts {
         Starts::Rest(_) | Starts::Upright(_) | Starts::Thrown(_) | Starts::Mixed { .. } => true,
         Starts::Resumed { states, .. } => states.iter().all(carries),
         Starts::Moving(moving) => match job.keep.ends {
-            WantedEnds::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
-            WantedEnds::Extremum(_) => false,
-            WantedEnds::None | WantedEnds::Plain => true,
+            Needs::Growth => moving.states.iter().all(|moving| moving.nudges.is_some()),
+            Needs::Extremum(_) => false,
+            Needs::Outcome | Needs::End => true,
         },
-        Starts::Deep(_) => !job.keep.ends.are_extremes(),
+        Starts::Deep(_) => !job.keep.ends.is_extreme(),
     };
     if is_possible {
         return Ok(());
@@ -149,7 +146,7 @@ pub(super) fn check_carried(job: &Job) -> Result<(), EngineError> {
 /// The states in which a job's pendulums begin, with everything that they carry along.
 pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     let (reduced, _) = job.question.reduced();
-    if let (Starts::Moving(moving), WantedEnds::Growth) = (&job.starts, job.keep.ends) {
+    if let (Starts::Moving(moving), Needs::Growth) = (&job.starts, job.keep.ends) {
         let pace = job.pace()?;
         let nudged = moving.states.iter().map(|moving| {
             let nudges = moving.nudges.as_ref()?;
@@ -163,9 +160,9 @@ pub(crate) fn states(job: &Job) -> Result<Vec<IntegratorState>, EngineError> {
     }
     let pace = Pace::new(&job.question, &job.config)?;
     let begun = |state: IntegratorState| match (&state.carried, job.keep.ends) {
-        (Some(_), _) | (None, WantedEnds::None | WantedEnds::Plain) => state,
-        (None, WantedEnds::Growth) => with_tangents(&reduced, (&job.config, &pace), &state),
-        (None, WantedEnds::Extremum(extremum)) => with_start(&reduced, &pace, extremum, state),
+        (Some(_), _) | (None, Needs::Outcome | Needs::End) => state,
+        (None, Needs::Growth) => with_tangents(&reduced, (&job.config, &pace), &state),
+        (None, Needs::Extremum(extremum)) => with_start(&reduced, &pace, extremum, state),
     };
     Ok(states.into_iter().map(begun).collect())
 }
@@ -181,7 +178,7 @@ fn with_start(
     let start = phase_at(reduced, pace, &state);
     let best = Measure::new(extremum, *reduced, start).begun();
     let counts = extremum.counts_from_release();
-    let carried = Some(Box::new(Carried::Extremum { start, counts, best }));
+    let carried = Some(Box::new(Carried::Extremum(Sought { start, counts, best })));
     let mut numbers = state.numbers;
     if let Pace::Fixed(steps) = pace {
         numbers = [0.0; NUMBERS];
@@ -323,7 +320,7 @@ pub(crate) fn phase_at(
     let IntegratorState { numbers, carried, .. } = state;
     match (pace, carried.as_deref()) {
         (Pace::Adaptive(_), _) => phase_of(numbers),
-        (_, Some(Carried::Tangents { .. } | Carried::Extremum { .. })) => phase_of(numbers),
+        (_, Some(Carried::Tangents { .. } | Carried::Extremum(_))) => phase_of(numbers),
         (Pace::Fixed(_), _) => {
             let speed = [numbers[2], numbers[3]];
             reduced.phase(&State { angle: angles_of(numbers), speed })
@@ -385,11 +382,7 @@ pub(crate) fn end_with_growth(reduced: &Pendulum<f64>, left: &IntegratorState) -
 /// The end of a pendulum whose extreme has been looked for.
 pub(crate) fn end_with_extremum(left: &IntegratorState) -> FinalState {
     let (time, phase) = (left.numbers[TIME] + left.numbers[TIME_LOW], phase_of(&left.numbers));
-    let best = match left.carried.as_deref() {
-        Some(Carried::Extremum { best, .. }) => *best,
-        _ => Accumulators::NONE.extremum,
-    };
-    let gathered = Accumulators { extremum: best, ..Accumulators::NONE };
+    let gathered = Accumulators { extremum: left.sought().best, ..Accumulators::NONE };
     FinalState { time, phase, gathered, ..FinalState::NOWHERE }
 }
 

@@ -27,15 +27,6 @@ impl Accumulators {
         log_growth: 0.0,
     };
 
-    /// Marks a motion along which nothing was gathered; these quantities agree with no others.
-    pub const NOT_GATHERED: Accumulators =
-        Accumulators { extremum: [f64::NAN; 2], log_growth: f64::NAN, ..Accumulators::NONE };
-
-    /// Returns true if quantities were gathered along the motion.
-    pub fn are_gathered(&self) -> bool {
-        !self.log_growth.is_nan()
-    }
-
     /// Returns true if the extremes and the growth of another run are the same, to the
     /// accuracy that answers need. Turns and passes are not compared: they agree if the states do.
     pub fn agrees_with(&self, other: &Accumulators) -> bool {
@@ -67,9 +58,5 @@ mod tests {
         assert!(!one.agrees_with(&Accumulators { extremum: [f64::INFINITY, 0.0], ..one }));
         assert!(one.agrees_with(&Accumulators { log_growth: 4.03, ..one }));
         assert!(!one.agrees_with(&Accumulators { log_growth: 4.1, ..one }));
-        assert!(
-            !one.agrees_with(&Accumulators::NOT_GATHERED)
-                && !Accumulators::NOT_GATHERED.are_gathered()
-        );
     }
 }

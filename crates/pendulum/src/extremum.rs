@@ -66,13 +66,20 @@ pub struct Measure<T> {
     pub start: Phase<T>,
 }
 
+// Sums are written out, because closures are not compiled for the registers of SIMD lanes.
 impl<T: Real> Measure<T> {
     /// Returns the square of the quantity.
+    #[inline(always)]
     pub fn square(&self, phase: &Phase<T>) -> T {
         match self.extremum {
             Extremum::NearestReturn => {
-                let apart = |i: usize| (phase[i] - self.start[i]) * self.unit(i);
-                sum(|i| apart(i) * apart(i))
+                let first = self.apart(phase, 0);
+                let mut sum = first * first;
+                for i in 1..6 {
+                    let apart = self.apart(phase, i);
+                    sum = sum + apart * apart;
+                }
+                sum
             }
             Extremum::GreatestSpeed => {
                 let [x1, y1, x2, y2, ..] = *phase;
@@ -85,36 +92,63 @@ impl<T: Real> Measure<T> {
 
     /// Returns half the rate of change of the square; its sign is turned where the greatest value
     /// is looked for, so that it grows from negative to positive in every extreme.
+    #[inline(always)]
     pub fn rate(&self, phase: &Phase<T>) -> T {
         match self.extremum {
             Extremum::NearestReturn => {
                 let rate = self.pendulum.derivative(phase);
-                let unit = |i: usize| self.unit(i) * self.unit(i);
-                sum(|i| (phase[i] - self.start[i]) * rate[i] * unit(i))
+                let mut sum = self.drift(phase, &rate, 0);
+                for i in 1..6 {
+                    sum = sum + self.drift(phase, &rate, i);
+                }
+                sum
             }
             Extremum::GreatestSpeed => -self.slope(phase),
         }
     }
 
     /// Returns half the rate of change of the square, by automatic differentiation.
+    #[inline(always)]
     pub fn slope(&self, phase: &Phase<T>) -> T {
         let rate = self.pendulum.derivative(phase);
-        let moving = |i: usize| Dual { value: phase[i], slope: [rate[i]] };
-        let fixed = Dual::<1, T>::new;
+        let mut moving = constants(phase);
+        for i in 0..6 {
+            moving[i].slope = [rate[i]];
+        }
+        let [first, second] = self.inverse_scale;
         let measure = Measure {
             extremum: self.extremum,
-            pendulum: self.pendulum.map(fixed),
-            inverse_scale: self.inverse_scale.map(fixed),
-            start: self.start.map(fixed),
+            pendulum: self.pendulum.map(Dual::<1, T>::new),
+            inverse_scale: [Dual::new(first), Dual::new(second)],
+            start: constants(&self.start),
         };
-        let [slope] = measure.square(&std::array::from_fn(moving)).slope;
+        let [slope] = measure.square(&moving).slope;
         slope * slope.lit(0.5)
     }
 
+    /// The distance from the start along a number of the phase, in units of its scale.
+    #[inline(always)]
+    fn apart(&self, phase: &Phase<T>, i: usize) -> T {
+        (phase[i] - self.start[i]) * self.unit(i)
+    }
+
+    /// Half the rate at which the square of that distance changes.
+    #[inline(always)]
+    fn drift(&self, phase: &Phase<T>, rate: &Phase<T>, i: usize) -> T {
+        (phase[i] - self.start[i]) * rate[i] * (self.unit(i) * self.unit(i))
+    }
+
     /// 1 over the scale of a number of the phase.
+    #[inline(always)]
     fn unit(&self, i: usize) -> T {
         if i < 4 { self.inverse_scale[0].lit(1.0) } else { self.inverse_scale[i - 4] }
     }
+}
+
+/// A phase that does not move.
+#[inline(always)]
+fn constants<T: Real>([x1, y1, x2, y2, p1, p2]: &Phase<T>) -> Phase<Dual<1, T>> {
+    [Dual::new(*x1), Dual::new(*y1), Dual::new(*x2), Dual::new(*y2), Dual::new(*p1), Dual::new(*p2)]
 }
 
 impl<T: Scalar> Measure<T> {
@@ -162,11 +196,6 @@ impl Measure<f64> {
             }
         }
     }
-}
-
-/// The sum over the numbers of a phase.
-fn sum<T: Real>(part: impl Fn(usize) -> T) -> T {
-    (1..6).fold(part(0), |sum, i| sum + part(i))
 }
 
 #[cfg(test)]

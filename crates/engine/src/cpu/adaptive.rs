@@ -3,18 +3,18 @@
 
 use std::marker::PhantomData;
 
-use super::lane_loop::{LaneDynamics, LanePass, LaneState, LaneStep, LaneStepper, PassSearch};
+use super::lane_loop::{LanePass, PassSearch, PassStepper};
 use super::lane_scheduler::LaneScheduler;
 use super::lanes::Lanes;
 use super::number::Number;
 use super::pair::{PairStep, clearance};
 use super::step_control;
+use super::stepper::{LaneDynamics, LaneState, LaneStep, LaneStepper};
 use crate::NUMBERS;
-use crate::pace::Adaptive;
 use crate::start::{self, STEP};
 use flipmap_numbers::Real;
 use flipmap_pendulum::Pendulum;
-use flipmap_pendulum::control::MAX_STEP;
+use flipmap_pendulum::control::{Control, MAX_STEP};
 use flipmap_pendulum::crossing::{FAR, StepState, beyond_top};
 use flipmap_pendulum::embedded::{EmbeddedPair, Trial};
 use flipmap_pendulum::phase::Phase;
@@ -23,10 +23,8 @@ use flipmap_pendulum::phase::Phase;
 pub(super) struct PairSteps<P>(PhantomData<P>);
 
 impl<N: Number, P: EmbeddedPair> LaneStepper<N> for PairSteps<P> {
+    type Control = Control;
     type Motion = Trial<N>;
-    /// The step is computed again from the state before it.
-    type Kept = ();
-    type Search<'a> = PairSearch<'a, P>;
 
     #[inline(always)]
     fn motion(dynamics: &LaneDynamics<N>, state: &LaneState<N>) -> Trial<N> {
@@ -37,20 +35,26 @@ impl<N: Number, P: EmbeddedPair> LaneStepper<N> for PairSteps<P> {
     #[inline(always)]
     fn step(
         _: &LaneDynamics<N>,
-        adaptive: &Adaptive,
+        control: &Control,
         state: &LaneState<N>,
         trial: &Trial<N>,
     ) -> LaneStep<N> {
         let error_squared = trial.error_squared.leading();
-        let excess = step_control::excess(&adaptive.control, state.time, error_squared);
+        let excess = step_control::excess(control, state.time, error_squared);
         LaneStep { next: N::changed(&state.phase, &trial.change), length: state.step, excess }
     }
 
     #[inline(always)]
-    fn next_length(adaptive: &Adaptive, state: &LaneState<N>, step: &LaneStep<N>) -> N::Leading {
-        let factor = step_control::factor(&adaptive.control, step.excess);
+    fn next_length(control: &Control, state: &LaneState<N>, step: &LaneStep<N>) -> N::Leading {
+        let factor = step_control::factor(control, step.excess);
         (state.step * factor).min(step.excess.lit(MAX_STEP))
     }
+}
+
+impl<N: Number, P: EmbeddedPair> PassStepper<N> for PairSteps<P> {
+    /// The step is computed again from the state before it.
+    type Kept = ();
+    type Search<'a> = PairSearch<'a, P>;
 
     #[inline(always)]
     fn clearance(

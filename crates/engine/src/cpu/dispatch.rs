@@ -3,20 +3,26 @@
 use pulp::{Simd, WithSimd};
 
 use super::adaptive::PairSteps;
+use super::extremum::Search;
+use super::growth::{Growth, WithTangents};
 use super::lane_scheduler::{Chunk, ChunkResult};
-use super::lanes::{F32Lanes, F64Lanes};
-use super::number::{Compensated, Two};
+use super::lanes::{F32Lanes, F64Lanes, Lanes};
+use super::number::{Compensated, Number, Two};
 use super::pair::Midpoints;
+use super::rk4::Rk4Steps;
+use super::stepper::LaneStepper;
 use super::taylor::TaylorSteps;
 use super::taylor_pair::TaylorPair;
-use super::{extremum, fixed, growing, lane_loop, tangents};
+use super::{fixed, gather_loop, lane_loop};
 use crate::pace::{Adaptive, Pace, Steps};
-use crate::{Method, Precision, WantedEnds};
+use crate::{Method, Precision};
 use flipmap_numbers::Dd;
+use flipmap_numbers::dual::Narrow;
 use flipmap_numbers::trig::Turning;
-use flipmap_pendulum::embedded::{EmbeddedPair, Pair, WithPair};
-use flipmap_pendulum::extremum::Extremum;
+use flipmap_pendulum::control::Control;
+use flipmap_pendulum::embedded::{EmbeddedPair, WithPair};
 use flipmap_pendulum::series::{ORDER_DD, ORDER_F64};
+use flipmap_scene::question::Needs;
 
 /// A chunk to be run in the widest lanes.
 pub(super) struct ChunkInFlight<'a> {
@@ -28,15 +34,8 @@ impl WithSimd for ChunkInFlight<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, set: S) -> Self::Output {
-        if self.chunk.keep.ends.are_carried() && self.is_taylor() {
-            return self.in_taylor_steps();
-        }
-        match self.chunk.keep.ends {
-            WantedEnds::Growth => return self.growth(set),
-            WantedEnds::Extremum(extremum) => {
-                return self.paired().run(Extreme { chunk: self.chunk, extremum });
-            }
-            WantedEnds::None | WantedEnds::Plain => {}
+        if self.chunk.keep.ends.are_carried() {
+            return self.gathered(set);
         }
         match self.chunk.pace {
             Pace::Fixed(steps) => self.fixed(set, steps),
@@ -65,51 +64,34 @@ impl ChunkInFlight<'_> {
         }
     }
 
-    fn is_taylor(&self) -> bool {
-        self.chunk.config.method.is_series()
-    }
-
-    /// Computes growth or extremes in Taylor steps of the same tolerance at all times.
-    fn in_taylor_steps(self) -> Option<ChunkResult> {
+    /// Follows what the pendulums gather along their way.
+    #[inline(always)]
+    fn gathered<S: Simd>(self, set: S) -> Option<ChunkResult> {
         const N: usize = ORDER_F64 + 1;
         const M: usize = ORDER_DD + 1;
-        let is_dd = self.chunk.config.precision == Precision::Dd;
-        let order = if is_dd { TaylorPair::<M>::ORDER } else { TaylorPair::<N>::ORDER };
-        let pace = self.chunk.pace.steady(self.chunk.config.method, order);
-        let chunk = Chunk { pace, ..*self.chunk };
-        match (chunk.keep.ends, is_dd) {
-            (WantedEnds::Extremum(extremum), false) => {
-                extremum::run::<f64, TaylorPair<N>>(&chunk, extremum)
+        let chunk = self.chunk;
+        let Pace::Adaptive(Adaptive { control, .. }) = chunk.pace else {
+            return match chunk.config.precision {
+                Precision::F32 => gather::<F32Lanes<S>, Rk4Steps>(set, chunk, ()),
+                Precision::Df32 | Precision::F64 | Precision::Dd => {
+                    gather::<F64Lanes<S>, Rk4Steps>(set, chunk, ())
+                }
+            };
+        };
+        match (chunk.config.method, chunk.config.precision) {
+            (Method::Taylor { tolerance }, Precision::Dd) => {
+                let control = Control::new(tolerance, TaylorPair::<M>::ORDER).steady();
+                gather::<Two<F64Lanes<S>>, PairSteps<TaylorPair<M>>>(set, chunk, control)
             }
-            (WantedEnds::Extremum(extremum), true) => {
-                extremum::run::<Dd, TaylorPair<M>>(&chunk, extremum)
+            (Method::Taylor { tolerance }, _) => {
+                let control = Control::new(tolerance, TaylorPair::<N>::ORDER).steady();
+                gather::<F64Lanes<S>, PairSteps<TaylorPair<N>>>(set, chunk, control)
             }
-            (_, false) => growing::run::<f64, TaylorPair<N>>(&chunk),
-            (_, true) => growing::run::<Dd, TaylorPair<M>>(&chunk),
-        }
-    }
-
-    /// The growth, by the pair of the method or in fixed steps.
-    #[inline(always)]
-    fn growth<S: Simd>(self, set: S) -> Option<ChunkResult> {
-        match self.chunk.config.method {
-            Method::Extrapolation { .. } => {
-                tangents::run::<Two<F64Lanes<S>>, Midpoints>(set, self.chunk)
+            (Method::Extrapolation { .. }, _) => {
+                gather::<Two<F64Lanes<S>>, PairSteps<Midpoints>>(set, chunk, control)
             }
-            Method::Rk4 { .. } | Method::Embedded { .. } | Method::Taylor { .. } => {
-                self.paired().run(Growth { set, chunk: self.chunk })
-            }
-        }
-    }
-
-    /// The pair by which adaptive steps are taken; fixed steps use none, so any will do.
-    fn paired(&self) -> Pair {
-        match self.chunk.config.method {
-            Method::Embedded { pair, .. } => pair,
-            Method::Rk4 { .. } => Pair::Dop853,
-            Method::Taylor { .. } | Method::Extrapolation { .. } => {
-                unreachable!("these have steps of their own, or are refused with the job")
-            }
+            (Method::Embedded { pair, .. }, _) => pair.run(Gathered { set, chunk, control }),
+            (Method::Rk4 { .. }, _) => unreachable!("its steps are fixed"),
         }
     }
 
@@ -128,9 +110,8 @@ impl ChunkInFlight<'_> {
             (Method::Extrapolation { .. }, _) => {
                 lane_loop::run::<Two<F64Lanes<S>>, PairSteps<Midpoints>>(set, chunk, pace)
             }
-            (Method::Rk4 { .. } | Method::Embedded { .. }, _) => {
-                self.paired().run(Passes { set, chunk, pace })
-            }
+            (Method::Embedded { pair, .. }, _) => pair.run(Passes { set, chunk, pace }),
+            (Method::Rk4 { .. }, _) => unreachable!("its steps are fixed"),
         }
     }
 }
@@ -159,42 +140,44 @@ impl<S: Simd> WithPair for Passes<'_, S> {
     }
 }
 
-/// The growth of nudges by a pair.
-struct Growth<'a, S> {
+/// What pendulums gather, by a pair.
+struct Gathered<'a, S> {
     set: S,
     chunk: &'a Chunk<'a>,
+    control: Control,
 }
 
-impl<S: Simd> WithPair for Growth<'_, S> {
+impl<S: Simd> WithPair for Gathered<'_, S> {
     type Output = Option<ChunkResult>;
 
     #[inline(always)]
     fn with<P: EmbeddedPair>(self) -> Self::Output {
-        match self.chunk.config.precision {
-            Precision::F32 => tangents::run::<F32Lanes<S>, P>(self.set, self.chunk),
+        let Gathered { set, chunk, control } = self;
+        match chunk.config.precision {
+            Precision::F32 => gather::<F32Lanes<S>, PairSteps<P>>(set, chunk, control),
             Precision::Df32 | Precision::F64 | Precision::Dd => {
-                tangents::run::<F64Lanes<S>, P>(self.set, self.chunk)
+                gather::<F64Lanes<S>, PairSteps<P>>(set, chunk, control)
             }
         }
     }
 }
 
-/// Extremes by a pair.
-struct Extreme<'a> {
-    chunk: &'a Chunk<'a>,
-    extremum: Extremum,
-}
-
-impl WithPair for Extreme<'_> {
-    type Output = Option<ChunkResult>;
-
-    fn with<P: EmbeddedPair>(self) -> Self::Output {
-        let Extreme { chunk, extremum } = self;
-        match chunk.config.precision {
-            Precision::F32 => extremum::run::<f32, P>(chunk, extremum),
-            Precision::Df32 | Precision::F64 | Precision::Dd => {
-                extremum::run::<f64, P>(chunk, extremum)
-            }
+/// Runs the observer of what the chunk keeps, in steps of `M`.
+#[inline(always)]
+fn gather<N, M>(
+    set: <N::Leading as Lanes>::Set,
+    chunk: &Chunk,
+    control: <M as LaneStepper<N>>::Control,
+) -> Option<ChunkResult>
+where
+    N: Number + Narrow<N::Leading>,
+    M: LaneStepper<N> + LaneStepper<WithTangents<N>, Control = <M as LaneStepper<N>>::Control>,
+{
+    match chunk.keep.ends {
+        Needs::Growth => gather_loop::run::<WithTangents<N>, M, Growth>(set, chunk, control, ()),
+        Needs::Extremum(extremum) => {
+            gather_loop::run::<N, M, Search<N>>(set, chunk, control, extremum)
         }
+        Needs::Outcome | Needs::End => unreachable!("nothing is gathered for these ends"),
     }
 }

@@ -1,36 +1,26 @@
 //! The loop of pendulums that are followed to their passes of the top: a register of them at a time,
-//! every lane with a time and a step of its own. A [`LaneStepper`] takes the steps.
+//! every lane with a time and a step of its own. A [`PassStepper`] takes the steps.
 
 use super::lane_scheduler::{Chunk, ChunkResult, LaneScheduler, PATIENCE, lane_of};
 use super::lanes::{Lanes, MAX_LANES};
-use super::number::{Number, load_phase, store_phase};
+use super::number::Number;
 use super::slowed::finish_slowed;
+use super::stepper::{LaneDynamics, LaneState, LaneStep, LaneStepper};
 use super::stretch::{Stretch, StretchEnd, vectorized};
 use super::turns;
 use crate::pace::Adaptive;
-use crate::start::{STEP, TIME, TIME_LOW};
+use crate::start::{TIME, TIME_LOW};
 use crate::{FinalState, NUMBERS};
 use flipmap_numbers::{Dd, Real};
+use flipmap_pendulum::control::Control;
 use flipmap_pendulum::crossing::{FAR, StepState, height_beyond};
-use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Outcome, Pendulum, Status};
 
-/// A method's steps, in lanes of `N`.
-pub(super) trait LaneStepper<N: Number> {
-    /// The motion in a step of all lanes, as far as the method knows it.
-    type Motion;
+/// A method whose steps can be searched for passes of the top.
+pub(super) trait PassStepper<N: Number>: LaneStepper<N, Control = Control> {
     /// What is kept of the motion in a suspect step.
     type Kept: Default;
 
-    /// Computes the motion that begins in a state.
-    fn motion(dynamics: &LaneDynamics<N>, state: &LaneState<N>) -> Self::Motion;
-    /// Returns the step along a motion.
-    fn step(
-        dynamics: &LaneDynamics<N>,
-        adaptive: &Adaptive,
-        state: &LaneState<N>,
-        motion: &Self::Motion,
-    ) -> LaneStep<N>;
     /// Returns the distance from the top, as a sine, that the watched bobs keep in a step; not
     /// positive in lanes where one may have crossed it.
     fn clearance(
@@ -40,8 +30,6 @@ pub(super) trait LaneStepper<N: Number> {
         step: &LaneStep<N>,
         motion: &Self::Motion,
     ) -> N::Leading;
-    /// Returns the length of the step that is tried next.
-    fn next_length(adaptive: &Adaptive, state: &LaneState<N>, step: &LaneStep<N>) -> N::Leading;
     /// Keeps the motion in a suspect step.
     fn keep(kept: &mut Self::Kept, motion: &Self::Motion, step: &LaneStep<N>);
 
@@ -77,24 +65,9 @@ pub(super) struct LanePass {
     pub anticlockwise: bool,
 }
 
-/// The pendulum in reduced units, in all lanes.
-pub(super) struct LaneDynamics<N: Number> {
-    pub pendulum: Pendulum<N>,
-    pub inverse_scale: [N; 2],
-}
-
-/// A step of all lanes.
-pub(super) struct LaneStep<N: Number> {
-    /// The state after it.
-    pub next: Phase<N>,
-    pub length: N::Leading,
-    /// Negative in lanes where the step is taken.
-    pub excess: N::Leading,
-}
-
 /// Runs a chunk in lanes of `N`, in steps of `M`.
 #[inline(never)]
-pub(super) fn run<N: Number, M: LaneStepper<N>>(
+pub(super) fn run<N: Number, M: PassStepper<N>>(
     set: <N::Leading as Lanes>::Set,
     chunk: &Chunk,
     adaptive: Adaptive,
@@ -145,62 +118,78 @@ impl<K: Default> Default for SuspectStep<K> {
 
 /// A loop that steps all lanes until a watched bob may have been at the top or a budget ends. The
 /// suspect step is the last one taken.
-struct PassStretch<'a, 'b, N: Number, M: LaneStepper<N>> {
+struct PassStretch<'a, 'b, N: Number, M: PassStepper<N>> {
     exact: &'a Pendulum<Dd>,
     adaptive: &'a Adaptive,
     scheduler: &'a mut LaneScheduler<'b>,
     suspect: &'a mut SuspectStep<M::Kept>,
 }
 
-impl<N: Number, M: LaneStepper<N>> Stretch<N::Leading> for PassStretch<'_, '_, N, M> {
+impl<N: Number, M: PassStepper<N>> Stretch<N::Leading> for PassStretch<'_, '_, N, M> {
     type Output = StretchEnd;
 
     #[inline(always)]
     fn run(self, set: <N::Leading as Lanes>::Set) -> StretchEnd {
         let dynamics = LaneDynamics::<N>::load(set, self.exact);
-        let adaptive = *self.adaptive;
+        let (control, budget) = (self.adaptive.control, self.adaptive.budget);
         let watches = self.scheduler.chunk.question.rule.watches();
         let counts_turns = self.scheduler.counts_turns();
-        let mut state = LaneState::<N>::load(set, self.scheduler);
-        let (zero, budget) = (state.time.lit(0.0), state.time.lit(adaptive.budget));
+        let mut state = LaneState::<N>::load(set, &self.scheduler.rows);
+        let mut watched = Watched::<N>::load(set, self.scheduler);
+        let (zero, budget) = (state.time.lit(0.0), state.time.lit(budget));
         let mut taken = 0;
         loop {
             let motion = M::motion(&dynamics, &state);
-            let step = M::step(&dynamics, &adaptive, &state, &motion);
+            let step = M::step(&dynamics, &control, &state, &motion);
             let clearance = M::clearance(&dynamics, watches, &state, &step, &motion);
             taken += 1;
             if clearance.max(step.excess).any_at_most(zero) {
                 self.suspect.before = self.scheduler.rows;
-                state.store_rows(&mut self.suspect.before);
+                state.store(&mut self.suspect.before);
                 clearance.store(&mut self.suspect.clearance);
                 M::keep(&mut self.suspect.motion, &motion, &step);
-                state.advance::<M>(&adaptive, &step);
-                state.store(self.scheduler);
+                state.advance::<M>(&control, &step);
+                state.store(&mut self.scheduler.rows);
+                watched.store(self.scheduler);
                 return StretchEnd { taken, is_suspect: true };
             }
             if counts_turns {
-                turns::count(&mut state.turns, [&state.phase, &step.next], step.excess);
+                turns::count(&mut watched.turns, [&state.phase, &step.next], step.excess);
             }
-            state.advance::<M>(&adaptive, &step);
-            state.clearance =
-                Lanes::select(state.clearance.min(clearance), step.excess, state.clearance);
+            state.advance::<M>(&control, &step);
+            let least = watched.clearance.min(clearance);
+            watched.clearance = Lanes::select(least, step.excess, watched.clearance);
             if taken == PATIENCE || budget.any_at_most(state.time) {
-                state.store(self.scheduler);
+                state.store(&mut self.scheduler.rows);
+                watched.store(self.scheduler);
                 return StretchEnd { taken, is_suspect: false };
             }
         }
     }
 }
 
-impl<N: Number> LaneDynamics<N> {
+/// What is watched in all lanes along with their states.
+struct Watched<N: Number> {
+    /// Distance from the top that the watched bobs have kept so far, as a sine.
+    clearance: N::Leading,
+    /// Whole turns of each bob.
+    turns: [N::Leading; 2],
+}
+
+impl<N: Number> Watched<N> {
     #[inline(always)]
-    fn load(set: <N::Leading as Lanes>::Set, exact: &Pendulum<Dd>) -> Self {
-        let number = N::exactly(<N::Leading as Lanes>::splat(set, 1.0));
-        let lanes = |value: f64| [value; MAX_LANES];
-        let scale = exact.to_f64().momentum_scale();
-        LaneDynamics {
-            pendulum: exact.map(|Dd { hi, lo }| N::load(set, &lanes(hi), &lanes(lo))),
-            inverse_scale: [number.lit(1.0 / scale[0]), number.lit(1.0 / scale[1])],
+    fn load(set: <N::Leading as Lanes>::Set, scheduler: &LaneScheduler) -> Self {
+        Watched {
+            clearance: <N::Leading as Lanes>::load(set, &scheduler.clearance),
+            turns: [0, 1].map(|bob| <N::Leading as Lanes>::load(set, &scheduler.turns[bob])),
+        }
+    }
+
+    #[inline(always)]
+    fn store(&self, scheduler: &mut LaneScheduler) {
+        self.clearance.store(&mut scheduler.clearance);
+        for (turns, row) in self.turns.iter().zip(&mut scheduler.turns) {
+            turns.store(row);
         }
     }
 }
@@ -212,69 +201,9 @@ fn idle() -> [f64; NUMBERS] {
     numbers
 }
 
-/// The state of all lanes in registers.
-#[derive(Clone, Copy)]
-pub(super) struct LaneState<N: Number> {
-    pub phase: Phase<N>,
-    pub time: N::Leading,
-    time_low: N::Leading,
-    /// Length of the step that is tried next.
-    pub step: N::Leading,
-    /// Distance from the top that the watched bobs have kept so far, as a sine.
-    clearance: N::Leading,
-    /// Whole turns of each bob.
-    turns: [N::Leading; 2],
-}
-
-impl<N: Number> LaneState<N> {
-    #[inline(always)]
-    fn load(set: <N::Leading as Lanes>::Set, scheduler: &LaneScheduler) -> Self {
-        let rows = &scheduler.rows;
-        let lanes = |row: usize| <N::Leading as Lanes>::load(set, &rows[row]);
-        LaneState {
-            phase: load_phase(set, rows),
-            time: lanes(TIME),
-            time_low: lanes(TIME_LOW),
-            step: lanes(STEP),
-            clearance: <N::Leading as Lanes>::load(set, &scheduler.clearance),
-            turns: [0, 1].map(|bob| <N::Leading as Lanes>::load(set, &scheduler.turns[bob])),
-        }
-    }
-
-    #[inline(always)]
-    fn store(&self, scheduler: &mut LaneScheduler) {
-        self.store_rows(&mut scheduler.rows);
-        self.clearance.store(&mut scheduler.clearance);
-        for (turns, row) in self.turns.iter().zip(&mut scheduler.turns) {
-            turns.store(row);
-        }
-    }
-
-    #[inline(always)]
-    fn store_rows(&self, rows: &mut [[f64; MAX_LANES]; NUMBERS]) {
-        store_phase(&self.phase, rows);
-        self.time.store(&mut rows[TIME]);
-        self.time_low.store(&mut rows[TIME_LOW]);
-        self.step.store(&mut rows[STEP]);
-    }
-
-    /// Takes a step in the lanes that take it.
-    #[inline(always)]
-    fn advance<M: LaneStepper<N>>(&mut self, adaptive: &Adaptive, step: &LaneStep<N>) {
-        let LaneStep { next, length, excess } = step;
-        for (value, next) in self.phase.iter_mut().zip(next) {
-            *value = next.select(*excess, *value);
-        }
-        let (time, low) = self.time.fast_two_sum(self.time_low + *length);
-        self.time = Lanes::select(time, *excess, self.time);
-        self.time_low = Lanes::select(low, *excess, self.time_low);
-        self.step = M::next_length(adaptive, self, step);
-    }
-}
-
 /// Decides a suspect step: looks for the crossing lane by lane, and finishes the pendulums that made
 /// it.
-fn decide<N: Number, M: LaneStepper<N>>(
+fn decide<N: Number, M: PassStepper<N>>(
     scheduler: &mut LaneScheduler,
     step: &SuspectStep<M::Kept>,
     reduced: &Pendulum<f64>,

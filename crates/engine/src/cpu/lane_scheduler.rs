@@ -32,10 +32,10 @@ use crate::pace::Pace;
 use crate::start::{TIME, TIME_LOW, phase_of};
 use crate::{
     Carried, Effort, EventSpec, FinalState, IntegratorConfig, IntegratorState, Keep, NUMBERS,
-    WantedEnds,
 };
 use flipmap_pendulum::crossing::FAR;
 use flipmap_pendulum::{Accumulators, Outcome, Rule, Status};
+use flipmap_scene::question::Needs;
 
 /// A chunk of a job, with all that its lanes need.
 pub(super) struct Chunk<'a> {
@@ -56,7 +56,7 @@ pub(super) struct Chunk<'a> {
 impl Chunk<'_> {
     /// Returns true if ends are computed: for the job's caller, or for the counts in its states.
     fn keeps_ends(&self) -> bool {
-        self.keep.ends != WantedEnds::None || (self.keep.states && self.question.counts())
+        self.keep.ends != Needs::Outcome || (self.keep.states && self.question.counts())
     }
 }
 

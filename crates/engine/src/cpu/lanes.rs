@@ -47,6 +47,14 @@ pub(super) trait Lanes: Rounding + Angle {
 /// Largest number of lanes in any register.
 pub(super) const MAX_LANES: usize = 16;
 
+/// The numbers in a register, lane by lane.
+#[inline(always)]
+pub(super) fn row<L: Lanes>(lanes: L) -> [f64; MAX_LANES] {
+    let mut row = [0.0; MAX_LANES];
+    lanes.store(&mut row);
+    row
+}
+
 macro_rules! lanes {
     ($name:ident, $float:ident, $register:ident, $count:ident, $magic:expr, $series:expr, $parts:expr,
      $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $neg:ident, $fma:ident,

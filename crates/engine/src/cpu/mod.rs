@@ -9,17 +9,18 @@ mod custom;
 mod dispatch;
 mod extremum;
 mod fixed;
-mod growing;
+mod gather_loop;
+mod growth;
 mod lane_loop;
 mod lane_scheduler;
 mod lanes;
 mod number;
-mod one_by_one;
 mod pair;
+mod rk4;
 mod slowed;
 mod step_control;
+mod stepper;
 mod stretch;
-mod tangents;
 mod taylor;
 mod taylor_pair;
 mod turns;
@@ -38,9 +39,10 @@ use self::lane_scheduler::{Chunk, ChunkResult};
 use super::threads::thread_pool;
 use super::{
     Engine, EngineError, EngineKind, FinalState, IntegratorConfig, Job, JobResult, Keep, Precision,
-    Wait, WantedEnds, start,
+    Wait, start,
 };
 use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::question::Needs;
 
 /// Number of starts in a chunk: enough to keep lanes full, few enough to share out evenly.
 const CHUNK: usize = 512;
@@ -105,7 +107,7 @@ impl CpuEngine {
         let flying = self.flying.get_mut(&landed.job)?;
         let FinishedChunk { first, answer, job } = landed;
         let count = answer.outcomes.len();
-        if flying.keep.ends != WantedEnds::None {
+        if flying.keep.ends != Needs::Outcome {
             let ends = &mut flying.finished.ends;
             ends.resize(flying.finished.outcomes.len(), FinalState::NOWHERE);
             ends[first..first + count].copy_from_slice(&answer.ends);

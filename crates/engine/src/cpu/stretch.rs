@@ -45,6 +45,12 @@ impl<L: Lanes, T: Stretch<L>> WithSimd for Function<L, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> T::Output {
+        std::hint::black_box(&mut CacheLine(0));
         self.stretch.run(self.set)
     }
 }
+
+/// A local value that makes the compiler align the function's stack. Without one it may learn too
+/// late that registers have to be kept on the stack, and most of them then lie across two cache lines.
+#[repr(align(64))]
+struct CacheLine(#[expect(dead_code, reason = "only its place on the stack matters")] u8);

@@ -5,16 +5,16 @@
 use std::cmp::Ordering;
 use std::marker::PhantomData;
 
-use super::lane_loop::{LaneDynamics, LanePass, LaneState, LaneStep, LaneStepper, PassSearch};
+use super::lane_loop::{LanePass, PassSearch, PassStepper};
 use super::lane_scheduler::LaneScheduler;
 use super::lanes::{Lanes, MAX_LANES};
 use super::number::Number;
+use super::stepper::{LaneDynamics, LaneState, LaneStep, LaneStepper};
 use crate::NUMBERS;
-use crate::pace::Adaptive;
 use flipmap_numbers::polynomial::{bernstein, course, evaluate, halves};
 use flipmap_numbers::{Dd, Real, Scalar};
 use flipmap_pendulum::Pendulum;
-use flipmap_pendulum::control::MAX_STEP;
+use flipmap_pendulum::control::{Control, MAX_STEP};
 use flipmap_pendulum::crossing::{FAR, StepState};
 use flipmap_pendulum::embedded::plus;
 use flipmap_pendulum::series::MotionSeries;
@@ -47,9 +47,8 @@ pub(super) struct KeptSeries<const M: usize> {
 }
 
 impl<N: Number, T: FromParts, const M: usize> LaneStepper<N> for TaylorSteps<T, M> {
+    type Control = Control;
     type Motion = MotionSeries<N, M>;
-    type Kept = KeptSeries<M>;
-    type Search<'a> = SeriesSearch<'a, T, M>;
 
     #[inline(always)]
     fn motion(dynamics: &LaneDynamics<N>, state: &LaneState<N>) -> MotionSeries<N, M> {
@@ -59,11 +58,11 @@ impl<N: Number, T: FromParts, const M: usize> LaneStepper<N> for TaylorSteps<T, 
     #[inline(always)]
     fn step(
         dynamics: &LaneDynamics<N>,
-        adaptive: &Adaptive,
+        control: &Control,
         state: &LaneState<N>,
         series: &MotionSeries<N, M>,
     ) -> LaneStep<N> {
-        let log2_tolerance = adaptive.control.start * 0.5;
+        let log2_tolerance = control.start * 0.5;
         let length = step_length(series, &dynamics.inverse_scale, log2_tolerance);
         LaneStep {
             next: plus(&state.phase, &series.change(N::exactly(length))),
@@ -74,9 +73,14 @@ impl<N: Number, T: FromParts, const M: usize> LaneStepper<N> for TaylorSteps<T, 
     }
 
     #[inline(always)]
-    fn next_length(_: &Adaptive, state: &LaneState<N>, _: &LaneStep<N>) -> N::Leading {
+    fn next_length(_: &Control, state: &LaneState<N>, _: &LaneStep<N>) -> N::Leading {
         state.step
     }
+}
+
+impl<N: Number, T: FromParts, const M: usize> PassStepper<N> for TaylorSteps<T, M> {
+    type Kept = KeptSeries<M>;
+    type Search<'a> = SeriesSearch<'a, T, M>;
 
     #[inline(always)]
     fn clearance(

@@ -13,6 +13,7 @@ pub(super) struct TaylorPair<const N: usize>;
 impl<const N: usize> EmbeddedPair for TaylorPair<N> {
     const ORDER: u32 = N as u32 - 2;
 
+    #[inline(always)]
     fn trial<T: Real>(
         pendulum: &Pendulum<T>,
         inverse_scale: [T; 2],
@@ -20,15 +21,19 @@ impl<const N: usize> EmbeddedPair for TaylorPair<N> {
         step: T,
     ) -> Trial<T> {
         let series = MotionSeries::<T, N>::expand(pendulum, phase);
-        let power = (0..N - 2).fold(step.lit(1.0), |power, _| power * step);
-        // Symmetry can make one of the two vanish.
-        let error = series.phase.map(|terms| {
+        let mut power = step;
+        for _ in 1..N - 2 {
+            power = power * step;
+        }
+        let square_of_power = power * power;
+        let mut sum = step.lit(0.0);
+        for (i, terms) in series.phase.iter().enumerate() {
+            // Symmetry can make one of the two vanish.
             let [last, before] = [terms[N - 1] * step, terms[N - 2]];
-            (last * last + before * before) * (power * power)
-        });
-        let scale = |i: usize| if i < 4 { step.lit(1.0) } else { inverse_scale[i - 4] };
-        let square = |i: usize| error[i] * (scale(i) * scale(i));
-        let sum = (1..6).fold(square(0), |sum, i| sum + square(i));
+            let square = (last * last + before * before) * square_of_power;
+            let scale = if i < 4 { step.lit(1.0) } else { inverse_scale[i - 4] };
+            sum = sum + square * (scale * scale);
+        }
         let none = step.lit(0.0);
         Trial {
             change: series.change(step),

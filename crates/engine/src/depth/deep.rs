@@ -1,10 +1,11 @@
 //! Selections of deep starts, and their exact states.
 
-use crate::{Deep, EventSpec, Leaf, StartList, Starts, WantedEnds};
+use crate::{Deep, EventSpec, Leaf, StartList, Starts};
 use flipmap_numbers::{Dd, Exact, Scalar};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::{Launch, State};
 use flipmap_scene::lattice::Cell;
+use flipmap_scene::question::Needs;
 
 impl Deep {
     /// Selects starts by their indices, in ascending order, and moves them by `by`, in units of
@@ -45,7 +46,7 @@ impl Deep {
 
     /// Returns the starts for an integration from their release, to the precision of double-double,
     /// or to a higher one beside the top.
-    pub(crate) fn rounded(&self, question: &EventSpec, ends: WantedEnds) -> Starts {
+    pub(crate) fn rounded(&self, question: &EventSpec, ends: Needs) -> Starts {
         let opening = question.opening(ends);
         let unit_secs = question.reduced_in::<Exact>().1;
         let mut starts = StartList::default();

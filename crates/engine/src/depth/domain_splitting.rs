@@ -31,7 +31,7 @@ use super::anchor::{Anchor, anchor_level};
 use super::finished_patch::{FinishedPatch, PartKey};
 use super::following::Following;
 use super::part::{Branch, BranchState, Cut, PlacedStart, SplitNode, SplitPart};
-use crate::{Deep, EventSpec, Leaf, Moving, WantedEnds};
+use crate::{Deep, EventSpec, Leaf, Moving};
 use flipmap_numbers::frame::Frame;
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::crossing::FAR;
@@ -40,6 +40,7 @@ use flipmap_pendulum::opening::{Opening, from_top};
 use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::{Rule, control};
 use flipmap_scene::lattice::Cell;
+use flipmap_scene::question::Needs;
 use flipmap_scene::{ExactPlane, PendulumSpec};
 
 /// Largest truncation error of a leaf's polynomials, in unit vectors and scaled momenta. An error
@@ -104,7 +105,7 @@ pub(super) struct Distribution {
 
 impl DomainSplitting {
     pub(super) fn new(question: &EventSpec, deep: &Deep, nudges: bool) -> Self {
-        let ends = if nudges { WantedEnds::Growth } else { WantedEnds::Plain };
+        let ends = if nudges { Needs::Growth } else { Needs::End };
         DomainSplitting {
             dynamics: Dynamics::new(question.reduced().0, question.rule),
             build: question.build,

@@ -14,10 +14,11 @@ use super::stats::DepthStats;
 use crate::clock::Instant;
 use crate::{
     Deep, Effort, EventSpec, FinalState, IntegratorState, Job, JobResult, Moving, MovingStarts,
-    Precision, Starts, WantedEnds,
+    Precision, Starts,
 };
 use flipmap_pendulum::Outcome;
 use flipmap_pendulum::flow_patch::Dynamics;
+use flipmap_scene::question::Needs;
 
 /// The domain splittings of the pendulums, rules and planes met so far, the latest last.
 pub(super) type Splittings = Arc<Mutex<Vec<Arc<DomainSplitting>>>>;
@@ -118,7 +119,7 @@ impl PartialResult {
     /// Creates the result of a job as if all its starts were forbidden.
     fn of_forbidden(job: Job, count: usize) -> Self {
         let (outcome, end) = FORBIDDEN;
-        let ends = if job.keep.ends == WantedEnds::None { 0 } else { count };
+        let ends = if job.keep.ends == Needs::Outcome { 0 } else { count };
         PartialResult {
             job,
             outcomes: vec![outcome; count],
@@ -222,5 +223,5 @@ impl PartialResult {
 /// only outcomes, by a method whose errors are far smaller than the differences between neighbours.
 pub(super) fn may_use_lines(job: &Job) -> bool {
     let adaptive = job.config.method.step_secs().is_none();
-    adaptive && job.config.precision != Precision::F32 && job.keep.ends == WantedEnds::None
+    adaptive && job.config.precision != Precision::F32 && job.keep.ends == Needs::Outcome
 }

@@ -61,9 +61,10 @@ use self::takeoff::{Purpose, SubJob, by_time};
 use super::threads::thread_pool;
 use super::{
     Engine, EngineError, EngineKind, GpuStats, IntegratorConfig, Job, JobResult, Keep, Moving,
-    Starts, Wait, WantedEnds,
+    Starts, Wait,
 };
 use crate::clock::Instant;
+use flipmap_scene::question::Needs;
 
 /// An engine that follows deep starts for the engine that it wraps.
 pub struct DepthEngine<'a> {
@@ -145,7 +146,7 @@ impl<'a> DepthEngine<'a> {
 
     fn follow(&mut self, job: Job) {
         let Starts::Deep(deep) = &job.starts else { return };
-        let nudges = job.keep.ends == WantedEnds::Growth;
+        let nudges = job.keep.ends == Needs::Growth;
         let splitting = splitting_of(
             &self.splittings,
             #[cfg(feature = "sabotage")]

@@ -8,7 +8,8 @@ use super::selfcheck::{self, cannot_wait};
 use super::waiting::{CAN_SLEEP, Waiting, now};
 use super::{GpuEngine, GpuTuning};
 use crate::adapters::{Check, Verdict};
-use crate::{EngineError, IntegratorConfig, WantedEnds};
+use crate::{EngineError, IntegratorConfig};
+use flipmap_scene::question::Needs;
 
 impl GpuEngine {
     /// The arithmetic that the device is trusted with.
@@ -22,10 +23,7 @@ impl GpuEngine {
     }
 
     /// Refuses ends that the kernels of a configuration do not compute, on any adapter.
-    pub(crate) fn require_ends(
-        config: &IntegratorConfig,
-        ends: WantedEnds,
-    ) -> Result<(), EngineError> {
+    pub(crate) fn require_ends(config: &IntegratorConfig, ends: Needs) -> Result<(), EngineError> {
         Design::general(config, false, false)?.returning(ends).map(drop)
     }
 

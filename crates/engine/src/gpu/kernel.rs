@@ -21,13 +21,14 @@ use crate::integrator_state::carried_names;
 use crate::pace::Pace;
 use crate::slowed::least_energy;
 use crate::start::{ANGLES, PHASE};
-use crate::{EngineError, EventSpec, IntegratorConfig, Method, Precision, WantedEnds};
+use crate::{EngineError, EventSpec, IntegratorConfig, Method, Precision};
 use flipmap_numbers::trig::Turning;
 use flipmap_pendulum::control::{Control, GROW, MAX_STEP, SHRINK};
 use flipmap_pendulum::crossing::{FAR, SLACK};
 use flipmap_pendulum::embedded::Pair;
 use flipmap_pendulum::series::ORDER_F64;
 use flipmap_pendulum::{Pendulum, Rule};
+use flipmap_scene::question::Needs;
 use flipmap_shaders::KERNEL_PARTS;
 
 /// The method by which a kernel steps.
@@ -59,7 +60,7 @@ pub struct Design {
     /// Number of passes of the top after which a pendulum is done; counted unless it is 1.
     pub passes: u32,
     /// Growth or returns, where the kernel computes these instead of passes of the top.
-    pub ends: WantedEnds,
+    pub ends: Needs,
 }
 
 impl Design {
@@ -104,7 +105,7 @@ impl Design {
             scheme,
             scene: None,
             passes: 1,
-            ends: WantedEnds::None,
+            ends: Needs::Outcome,
         })
     }
 
@@ -125,7 +126,7 @@ impl Design {
     }
 
     /// Returns the same kernel, or an error if its scheme cannot compute `ends`.
-    pub(crate) fn returning(self, ends: WantedEnds) -> Result<Self, EngineError> {
+    pub(crate) fn returning(self, ends: Needs) -> Result<Self, EngineError> {
         if self.scheme == Scheme::Series && ends.are_carried() {
             let why = "graphics adapters do not answer this question by the method taylor";
             return Err(EngineError::Unsupported(why.to_string()));
@@ -144,7 +145,7 @@ impl Design {
     }
 
     /// Returns the variant of a specialised kernel that computes growth or extremes.
-    pub fn computing(self, ends: WantedEnds) -> Self {
+    pub fn computing(self, ends: Needs) -> Self {
         Design { compensated: false, ends, ..self }
     }
 
@@ -173,16 +174,9 @@ impl Design {
             maths.insert("energy".to_string(), self.energy());
         }
         if self.ends.are_carried() {
-            let file = if self.ends.are_extremes() { "extremum.wgsl" } else { "tangents.wgsl" };
-            let files = [
-                "shared.wgsl",
-                number,
-                "state.wgsl",
-                "carried.wgsl",
-                "control.wgsl",
-                file,
-                "turn.wgsl",
-            ];
+            let file = if self.ends.is_extreme() { "extremum.wgsl" } else { "tangents.wgsl" };
+            let first = ["shared.wgsl", number, "state.wgsl", "carried.wgsl", "control.wgsl"];
+            let files = [&first[..], &[file, "gather.wgsl", "turn.wgsl"]].concat();
             return glue(&files, &self.values(maths, &step.results));
         }
         if self.is_adaptive() {

@@ -3,10 +3,10 @@
 mod series;
 
 use super::kernel::{Design, Scheme};
+use crate::Precision;
 use crate::gpu::symbol::{Dialect, Maths, Symbol, literal, variable, write_maths};
 use crate::integrator_state::{SLOPES, STARTS};
 use crate::start::PHASE;
-use crate::{Precision, WantedEnds};
 use flipmap_numbers::dual::Dual;
 use flipmap_numbers::polynomial::quintic_hermite;
 use flipmap_numbers::trig::Turning;
@@ -16,6 +16,7 @@ use flipmap_pendulum::extremum::{Extremum, Measure};
 use flipmap_pendulum::phase::{Phase, rk4};
 use flipmap_pendulum::tangents::Tangents;
 use flipmap_pendulum::{Pendulum, State, integrator};
+use flipmap_scene::question::Needs;
 
 const INDENT: &str = "    ";
 
@@ -51,9 +52,9 @@ impl Design {
     /// the step is judged.
     pub(crate) fn step(&self) -> Maths {
         match self.ends {
-            WantedEnds::Growth => return self.tangent_step(),
-            WantedEnds::Extremum(extremum) => return self.extremum_step(extremum),
-            WantedEnds::None | WantedEnds::Plain => {}
+            Needs::Growth => return self.tangent_step(),
+            Needs::Extremum(extremum) => return self.extremum_step(extremum),
+            Needs::Outcome | Needs::End => {}
         }
         match self.scheme {
             Scheme::Fixed(turning) => self.fixed_step(turning),

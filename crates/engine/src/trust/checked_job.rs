@@ -3,11 +3,12 @@
 use rayon::prelude::*;
 
 use super::judge::{Judge, JudgedAnswer, RunResult};
-use super::ladder::{Origin, Run, Rung, ends_of, rungs};
+use super::ladder::{Origin, Run, Rung, compared, rungs};
 use super::{Assurance, Trust};
-use crate::{Effort, FinalState, Job, JobResult, Keep, Starts, WantedEnds};
+use crate::{Effort, FinalState, Job, JobResult, Keep, Starts};
 use flipmap_numbers::Dd;
-use flipmap_pendulum::{Accumulators, Outcome, Status};
+use flipmap_pendulum::{Outcome, Status};
+use flipmap_scene::question::Needs;
 
 /// A job whose starts climb the ladder until they are sure.
 pub(super) struct CheckedJob {
@@ -77,7 +78,7 @@ impl CheckedJob {
             id: self.job.id * RUNS + (before + index) as u64,
             config: run.config,
             starts: self.starts_of(run),
-            keep: Keep { ends: ends_of(&run.config, self.job.keep.ends), states: false },
+            keep: Keep { ends: compared(self.job.keep.ends), states: false },
             ..self.job
         };
         self.rungs[self.rung].runs.iter().enumerate().map(one).collect()
@@ -123,12 +124,7 @@ impl CheckedJob {
     pub(super) fn take(&mut self, index: u64, finished: JobResult) -> Option<Vec<Job>> {
         self.effort += finished.effort;
         let run = *self.rungs.iter().flat_map(|rung| &rung.runs).nth(index as usize)?;
-        let wanted = self.job.keep.ends;
-        let is_told = !wanted.are_carried() || ends_of(&run.config, wanted) == wanted;
-        let answer = |(&outcome, &end): (&Outcome, &FinalState)| {
-            let gathered = if is_told { end.gathered } else { Accumulators::NOT_GATHERED };
-            RunResult { outcome, end: FinalState { gathered, ..end } }
-        };
+        let answer = |(&outcome, &end): (&Outcome, &FinalState)| RunResult { outcome, end };
         let answers: Vec<RunResult> =
             finished.outcomes.iter().zip(&finished.ends).map(answer).collect();
         self.done.push(Done { index, run, starts: self.open.clone(), answers });
@@ -174,8 +170,8 @@ impl CheckedJob {
     /// The result of the job.
     pub(super) fn finish(self) -> JobResult {
         let ends = match self.job.keep.ends {
-            WantedEnds::None => Vec::new(),
-            WantedEnds::Plain | WantedEnds::Growth | WantedEnds::Extremum(_) => {
+            Needs::Outcome => Vec::new(),
+            Needs::End | Needs::Growth | Needs::Extremum(_) => {
                 self.finest.iter().map(|answer| answer.end).collect()
             }
         };

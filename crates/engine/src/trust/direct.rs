@@ -2,10 +2,11 @@
 //! in as many digits as that needs. It shares no start map, no first moments, no rounding of
 //! starts, no method and no event test with the engines.
 
-use crate::{EventSpec, FinalState, WantedEnds};
+use crate::{EventSpec, FinalState};
 use flipmap_numbers::{Exact, Fixed, Scalar};
 use flipmap_pendulum::taylor::Orbit;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
+use flipmap_scene::question::Needs;
 
 /// Approximate upper bound on the decades by which neighbours move apart per unit of time.
 const DECADES_A_UNIT: f64 = 0.16;
@@ -23,7 +24,7 @@ const NUDGE_DIGITS: f64 = 8.0;
 /// Extremes along the motion are not computed.
 pub fn answer(
     question: &EventSpec,
-    ends: WantedEnds,
+    ends: Needs,
     start: &State<Exact>,
     apart_rad: f64,
 ) -> (Outcome, FinalState) {
@@ -42,7 +43,7 @@ pub fn answer(
 /// takes seconds, because of its many digits.
 pub fn takes_long(question: &EventSpec, apart_rad: f64) -> bool {
     let apart = DIGITS_APART - apart_rad.log10();
-    limbs(question, WantedEnds::None, &State::rest([Exact::ZERO; 2]), apart) > MAX_LIMBS_IN_A_SECOND
+    limbs(question, Needs::Outcome, &State::rest([Exact::ZERO; 2]), apart) > MAX_LIMBS_IN_A_SECOND
 }
 
 /// Largest number of limbs in which a minute of the home pendulum takes less than a second.
@@ -50,10 +51,10 @@ const MAX_LIMBS_IN_A_SECOND: usize = 4;
 
 /// Returns the number of limbs for the digits that a start needs: those for the growth of errors,
 /// and those that tell a bob beside the top from one at the top.
-fn limbs(question: &EventSpec, ends: WantedEnds, start: &State<Exact>, apart: f64) -> usize {
+fn limbs(question: &EventSpec, ends: Needs, start: &State<Exact>, apart: f64) -> usize {
     let (_, unit_secs) = question.reduced();
     let growth = DECADES_A_UNIT * question.budget_secs / unit_secs;
-    let nudge = if ends == WantedEnds::Growth { NUDGE_DIGITS } else { 0.0 };
+    let nudge = if ends == Needs::Growth { NUDGE_DIGITS } else { 0.0 };
     let beside = |angle: Exact| {
         let distance = (Exact::pi() - angle.abs()).to_f64().abs();
         if distance > 0.0 { -distance.log10() } else { 0.0 }
@@ -86,7 +87,7 @@ impl<'a, const N: usize> Direct<'a, N> {
         Direct { question, pendulum, unit_secs, start, budget, apart }
     }
 
-    fn answer(&self, ends: WantedEnds) -> (Outcome, FinalState) {
+    fn answer(&self, ends: Needs) -> (Outcome, FinalState) {
         let rule = self.question.rule;
         let outcome = match rule {
             Rule::Neither => Outcome::without_time(Status::Unflipped),
@@ -97,22 +98,19 @@ impl<'a, const N: usize> Direct<'a, N> {
         };
         let time = if outcome.status == Status::Answered { outcome.time } else { self.budget };
         let end = match ends {
-            WantedEnds::None => FinalState::NOWHERE,
-            WantedEnds::Plain | WantedEnds::Growth | WantedEnds::Extremum(_) => {
-                self.end(time, ends)
-            }
+            Needs::Outcome => FinalState::NOWHERE,
+            Needs::End | Needs::Growth | Needs::Extremum(_) => self.end(time, ends),
         };
         let secs = (outcome.time * self.unit_secs).to_f64();
         (Outcome { status: outcome.status, time: secs }, end)
     }
 
     /// The end of the motion at a reduced time.
-    fn end(&self, time: Fixed<N>, ends: WantedEnds) -> FinalState {
+    fn end(&self, time: Fixed<N>, ends: Needs) -> FinalState {
         let state = self.state_at(&self.start, time);
         let turns = state.angle.map(whole_turns);
         let wrapped = State { angle: state.angle.map(Fixed::wrapped), ..state };
-        let log_growth =
-            if ends == WantedEnds::Growth { self.log_growth(&state, time) } else { 0.0 };
+        let log_growth = if ends == Needs::Growth { self.log_growth(&state, time) } else { 0.0 };
         FinalState {
             time: time.to_f64(),
             phase: self.pendulum.phase(&wrapped).map(Fixed::to_f64),
@@ -181,14 +179,14 @@ mod tests {
     fn digits_suffice_for_the_growth_of_a_hundred_seconds() {
         // Two integrations with different numbers of digits must agree.
         let (question, near) = (question(Rule::First, 100.0), start(["-1.7", "0.06"]));
-        let (short, _) = answer(&question, WantedEnds::None, &near, 1.0);
-        let (long, _) = Direct::<8>::new(&question, &near, 120.0).answer(WantedEnds::None);
+        let (short, _) = answer(&question, Needs::Outcome, &near, 1.0);
+        let (long, _) = Direct::<8>::new(&question, &near, 120.0).answer(Needs::Outcome);
         assert_eq!(short.status, long.status);
         assert!((short.time - long.time).abs() < 1e-6 * right_secs(question.build.unit_secs()));
         let late = start(["0.92857", "-1.80186"]);
         let question = EventSpec { rule: Rule::Second, ..question };
-        let (short, _) = answer(&question, WantedEnds::None, &late, 1.0);
-        let (long, _) = Direct::<8>::new(&question, &late, 120.0).answer(WantedEnds::None);
+        let (short, _) = answer(&question, Needs::Outcome, &late, 1.0);
+        let (long, _) = Direct::<8>::new(&question, &late, 120.0).answer(Needs::Outcome);
         assert!(short.status == long.status, "{short:?}, {long:?}");
         assert!((short.time - long.time).abs() < 1e-6, "{short:?}, {long:?}");
         let decades = 44.0;

@@ -18,12 +18,13 @@
 //! if a run is far off, the growth that the other runs show must explain it.
 
 use super::ladder::Run;
-use crate::{EventSpec, FinalState, WantedEnds};
+use crate::{EventSpec, FinalState};
 use flipmap_pendulum::crossing::{StepState, bob_at_top, height_beyond};
 use flipmap_pendulum::flip::right_secs;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::transport::transported;
 use flipmap_pendulum::{Outcome, Pendulum, Rule, Status};
+use flipmap_scene::question::Needs;
 
 /// An outcome, and the end of its integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +88,7 @@ pub(super) struct Judge {
 impl Judge {
     /// Creates a judge of answers that need `ends`; `leaf_half_rad` is half the side of the leaves
     /// for deep starts, and unused for others.
-    pub(super) fn new(question: &EventSpec, ends: WantedEnds, leaf_half_rad: f64) -> Self {
+    pub(super) fn new(question: &EventSpec, ends: Needs, leaf_half_rad: f64) -> Self {
         let (pendulum, unit_secs) = question.reduced();
         let inverse_scale = pendulum.momentum_scale().map(|scale| 1.0 / scale);
         let tolerance = SAFETY * right_secs(unit_secs) / unit_secs;
@@ -106,12 +107,9 @@ impl Judge {
         let mut scaled: Vec<_> = answers.iter().map(|answer| (scale(answer), answer)).collect();
         scaled.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (finest, others) = scaled.split_first().expect("the first rung has all starts");
-        let told = scaled.iter().find(|(_, (_, answer))| answer.end.gathered.are_gathered());
-        let (_, (run, answer)) = told.expect("the first run tells what is asked");
-        let is_sure = self.is_sure(finest, others)
-            && self.distance(answer, &finest.1.1) <= self.allowed(&finest.1.1)
-            && Self::is_confirmed(run, answer, &scaled);
-        let is_time = self.asks_time && finest.1.1.outcome.status == Status::Answered;
+        let (_, (_, answer)) = finest;
+        let is_sure = self.is_sure(finest, others) && Self::is_confirmed(finest, others);
+        let is_time = self.asks_time && answer.outcome.status == Status::Answered;
         let error_secs = is_time.then(|| self.unit_secs * self.estimated_error(finest, others));
         JudgedAnswer { answer: *answer, is_sure, error_secs }
     }
@@ -128,9 +126,9 @@ impl Judge {
 
     /// Returns true if a run of another method gathered the same along the motion, even if it ended
     /// elsewhere: what was gathered depends little on the last part of the motion.
-    fn is_confirmed(run: &Run, answer: &RunResult, all: &[Scaled]) -> bool {
+    fn is_confirmed((_, (run, answer)): &Scaled, others: &[Scaled]) -> bool {
         let gathered = &answer.end.gathered;
-        all.iter().any(|(_, (other, theirs))| {
+        others.iter().any(|(_, (other, theirs))| {
             let agrees = gathered.agrees_with(&theirs.end.gathered);
             agrees && other.config.method.name() != run.config.method.name()
         })

@@ -7,7 +7,8 @@
 
 use super::Trust;
 use crate::level::{BALANCED, FAST, FINEST};
-use crate::{FinalState, IntegratorConfig, Method, Precision, WantedEnds};
+use crate::{FinalState, IntegratorConfig, Method, Precision};
+use flipmap_scene::question::Needs;
 
 /// One way of computing a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,13 +138,9 @@ pub(super) fn rungs(config: &IntegratorConfig, leaf_half_rad: Option<f64>) -> Ve
     rungs
 }
 
-/// Returns the ends that a run computes if `wanted` ends are needed. A run that cannot carry the
-/// quantity along, or only in a scalar loop a hundred times slower than the other runs, computes
-/// plain ends, which confirm the state alone.
-pub(super) fn ends_of(config: &IntegratorConfig, wanted: WantedEnds) -> WantedEnds {
-    let is_scalar = wanted.are_carried() && config.method.is_series();
-    let can_carry = !is_scalar && wanted.check(config).is_ok();
-    if wanted == WantedEnds::None || !can_carry { WantedEnds::Plain } else { wanted }
+/// Returns what a run computes if its job `needs` something: at least the ends, which are compared.
+pub(super) fn compared(needs: Needs) -> Needs {
+    if needs == Needs::Outcome { Needs::End } else { needs }
 }
 
 fn rungs_from_rest(config: &IntegratorConfig) -> Vec<Rung> {

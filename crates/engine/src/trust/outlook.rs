@@ -9,10 +9,10 @@ use super::Opinion;
 use super::judge::{Judge, RunResult};
 use super::ladder::{Origin, Run};
 use crate::{
-    Engine, EngineError, EventSpec, IntegratorConfig, JobResult, Keep, Onset, Starts, WantedEnds,
-    run_job,
+    Engine, EngineError, EventSpec, IntegratorConfig, JobResult, Keep, Onset, Starts, run_job,
 };
 use flipmap_numbers::Dd;
+use flipmap_scene::question::Needs;
 
 /// The expected accuracy of a picture, from a sample of its starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl AccuracyEstimate {
     pub fn sample(
         engine: &mut dyn Engine,
         question: EventSpec,
-        (config, ends): (IntegratorConfig, WantedEnds),
+        (config, ends): (IntegratorConfig, Needs),
         starts: &Starts,
         keep_going: &dyn Fn() -> bool,
     ) -> Result<Option<SampledAnswers>, EngineError> {
@@ -57,7 +57,7 @@ impl AccuracyEstimate {
         };
         let run = Run::new(config, from);
         let moved = run.nudged([0.6 * nudge, 0.8 * nudge]);
-        let ends = if ends == WantedEnds::None { WantedEnds::Plain } else { ends };
+        let ends = if ends == Needs::Outcome { Needs::End } else { ends };
         let keep = Keep { ends, states: false };
         let mut answers = |starts| run_job(engine, question, config, starts, keep, keep_going);
         let Some(result) = answers(starts.clone())? else { return Ok(None) };
@@ -146,7 +146,7 @@ mod tests {
         };
         let angle = |k: u32| [from[0] + 4e-4 * f64::from(k), from[1] + 3e-4 * f64::from(k)];
         let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
-        let how = (BALANCED, WantedEnds::None);
+        let how = (BALANCED, Needs::Outcome);
         let answers = AccuracyEstimate::sample(&mut engine, question, how, &starts, &|| true);
         let beyond = answers.unwrap().unwrap().beyond;
         let count = beyond.iter().filter(|beyond| **beyond).count();
@@ -174,7 +174,7 @@ mod tests {
         let starts = Starts::Rest((0..200).map(|k| angle(k).map(Dd::new)).collect());
         let mut engine = CpuEngine::new(Some(2)).unwrap();
         let mut sample = |config| {
-            let how = (config, WantedEnds::None);
+            let how = (config, Needs::Outcome);
             let answers = AccuracyEstimate::sample(&mut engine, question, how, &starts, &|| true);
             answers.unwrap().unwrap()
         };
@@ -182,7 +182,7 @@ mod tests {
         let coarse = IntegratorConfig { method, precision: Precision::F64 };
         let (coarse, truth) = (sample(coarse), sample(BALANCED));
         assert!(!truth.beyond.contains(&true));
-        let judge = Judge::new(&question, WantedEnds::Plain, 0.0);
+        let judge = Judge::new(&question, Needs::End, 0.0);
         let answer = |sample: &SampledAnswers, k: usize| RunResult {
             outcome: sample.result.outcomes[k],
             end: sample.result.ends[k],

@@ -32,7 +32,7 @@ impl<'a> DirectCheck<'a> {
         let (ask, question) = (scene.question.ask, EventSpec::from(scene));
         let reader = Reader::new(ask, &question);
         let unit_secs = scene.build.unit_secs();
-        let is_answered = !reader.ends().are_extremes() && question.passes == 1;
+        let is_answered = !reader.ends().is_extreme() && question.passes == 1;
         let channels = ask.kind().channels;
         is_answered.then_some(DirectCheck { grid, question, reader, channels, unit_secs })
     }

@@ -3,10 +3,11 @@
 use rayon::prelude::*;
 
 use super::Samples;
-use flipmap_engine::{EventSpec, FinalState, JobResult, WantedEnds};
+use flipmap_engine::{EventSpec, FinalState, JobResult};
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::transport::{transported, turns_between};
 use flipmap_pendulum::{Outcome, Pendulum, Status};
+use flipmap_scene::question::Needs;
 use flipmap_scene::question::{MAX_CHANNELS, QuestionInput, QuestionName};
 
 /// A reader of the answers to one question about one pendulum.
@@ -28,7 +29,7 @@ impl Reader {
     }
 
     /// Returns the ends that jobs must return.
-    pub fn ends(&self) -> WantedEnds {
+    pub fn ends(&self) -> Needs {
         self.ask.kind().needs.into()
     }
 
@@ -59,7 +60,7 @@ impl Reader {
             let since = turns_between(&phase, &end.phase);
             gathered.turns = [0, 1].map(|bob| gathered.turns[bob] - since[bob]);
         }
-        let never = self.ends().are_extremes() && gathered.extremum[0].is_infinite();
+        let never = self.ends().is_extreme() && gathered.extremum[0].is_infinite();
         let status = if ends_at_a_time && !never { Status::Answered } else { outcome.status };
         let Reader { pendulum, unit_secs, .. } = self;
         let secs = if ends_at_a_time { self.at } else { end.time } * unit_secs;

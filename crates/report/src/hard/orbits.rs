@@ -1,11 +1,12 @@
 //! Hard cases of periodic orbits on the section θ1 = 0, which a computer-assisted proof encloses.
 
 use super::{BALANCED, HardBench, HardCase, HardFinding, Of};
-use flipmap_engine::{EngineError, EventSpec, Job, Keep, Starts, Wait, WantedEnds};
+use flipmap_engine::{EngineError, EventSpec, Job, Keep, Starts, Wait};
 use flipmap_numbers::{Dd, Scalar};
 use flipmap_pendulum::extremum::Extremum;
 use flipmap_pendulum::passes::{SectionReturn, section_return};
 use flipmap_pendulum::{Accumulators, Launch, Pendulum, Rule, State};
+use flipmap_scene::question::Needs;
 use flipmap_scene::{Kind, PendulumSpec, Plane, PlaneKind};
 
 pub(super) const CASES: &[HardCase] = &[
@@ -121,7 +122,7 @@ fn enclosures(_: &mut HardBench) -> Result<HardFinding, EngineError> {
 }
 
 fn answers(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
-    let nearest = WantedEnds::Extremum(Extremum::NearestReturn);
+    let nearest = Needs::Extremum(Extremum::NearestReturn);
     let (mut held, mut parts) = (true, Vec::new());
     for orbit in &ORBITS {
         let (Some(launch), Some((period, _, trace))) = (orbit.launch([0.0; 2]), orbit.measured())
@@ -132,7 +133,7 @@ fn answers(bench: &mut HardBench) -> Result<HardFinding, EngineError> {
         held &= distance < 1e-7 && (time - period).abs() < 1e-6;
         // Two budgets: what the first nudges lose until they point the way of growth cancels.
         let mut log_growth = |periods: f64| {
-            bench.ended(launch, periods * period, WantedEnds::Growth).map(|end| end.log_growth)
+            bench.ended(launch, periods * period, Needs::Growth).map(|end| end.log_growth)
         };
         let exponent = (log_growth(12.0)? - log_growth(4.0)?) / (8.0 * period);
         let expected = PeriodicOrbit::exponent(period, trace);
@@ -152,7 +153,7 @@ impl HardBench<'_> {
         &mut self,
         launch: Launch,
         budget_secs: f64,
-        ends: WantedEnds,
+        ends: Needs,
     ) -> Result<Accumulators, EngineError> {
         let rule = Rule::Neither;
         let question = EventSpec { build: unit_build(), rule, budget_secs, passes: 1 };

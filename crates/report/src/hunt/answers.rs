@@ -3,13 +3,14 @@
 
 use super::referee::{MotionEnd, Referee};
 use super::start::start;
-use flipmap_engine::{EventSpec, FinalState, WantedEnds};
+use flipmap_engine::{EventSpec, FinalState};
 use flipmap_numbers::{Angle, Dd, Exact, Fixed, Scalar};
 use flipmap_pendulum::opening::from_top;
 use flipmap_pendulum::phase::Phase;
 use flipmap_pendulum::{Accumulators, Outcome, Pendulum, Rule, State, Status, oracle, tangents};
 use flipmap_render::tiles::reader::Reader;
 use flipmap_scene::question::MAX_CHANNELS;
+use flipmap_scene::question::Needs;
 use flipmap_scene::{PlaneKind, Scene};
 
 /// Function that returns true when the referee should give up.
@@ -78,7 +79,7 @@ impl<'a> Judged<'a> {
             // Far fewer digits than the truth has, but a wrong answer is not confirmed by accident.
             let agrees =
                 |truth: Option<Answer>| truth.is_some_and(|truth| self.is_same(given, &truth, 0.2));
-            if self.reader.ends() != WantedEnds::Growth
+            if self.reader.ends() != Needs::Growth
                 && (agrees(self.truth::<f64>(&start, (8, 5e-14), give_up))
                     || agrees(self.truth::<Dd>(&start, (11, 1e-27), give_up)))
             {
@@ -99,7 +100,7 @@ impl<'a> Judged<'a> {
     fn is_same(&self, a: &Answer, b: &Answer, share: f64) -> bool {
         let kind = self.scene.question.ask.kind();
         // An extreme may be one of two that are as far.
-        let count = if self.reader.ends().are_extremes() { 1 } else { kind.channels.len() };
+        let count = if self.reader.ends().is_extreme() { 1 } else { kind.channels.len() };
         let unit_secs = self.scene.build.unit_secs();
         let mut channels = kind.channels[..count].iter().zip(a.1.iter().zip(b.1));
         a.0 == b.0
@@ -133,8 +134,8 @@ impl<'a> Judged<'a> {
             if self.question.rule == Rule::Neither { u32::MAX } else { self.question.passes };
         let budget = Exact::from_f64(self.question.budget_secs) / unit_secs;
         let extremum = match self.reader.ends() {
-            WantedEnds::Extremum(extremum) => Some(extremum),
-            WantedEnds::None | WantedEnds::Plain | WantedEnds::Growth => None,
+            Needs::Extremum(extremum) => Some(extremum),
+            Needs::Outcome | Needs::End | Needs::Growth => None,
         };
         let referee = Referee {
             pendulum,
@@ -148,8 +149,8 @@ impl<'a> Judged<'a> {
         };
         let end = referee.end(&phase)?;
         let log_growth = match self.reader.ends() {
-            WantedEnds::Growth => self.log_growth(&referee, start, &end)?,
-            WantedEnds::None | WantedEnds::Plain | WantedEnds::Extremum(_) => 0.0,
+            Needs::Growth => self.log_growth(&referee, start, &end)?,
+            Needs::Outcome | Needs::End | Needs::Extremum(_) => 0.0,
         };
         Some(self.answer(&end, log_growth, unit_secs.to_f64()))
     }
@@ -266,7 +267,7 @@ mod tests {
             assert_eq!(truth.0, Status::Answered, "{}", kind.name);
             assert!(judged.is_same(&truth, &truth, 1.0), "{}", kind.name);
             assert!(!judged.is_same(&(Status::Unflipped, truth.1), &truth, 1.0), "{}", kind.name);
-            let count = if judged.reader.ends().are_extremes() { 1 } else { kind.channels.len() };
+            let count = if judged.reader.ends().is_extreme() { 1 } else { kind.channels.len() };
             for (k, channel) in kind.channels[..count].iter().enumerate() {
                 let mut moved = truth;
                 moved.1[k] += 2.0 * channel.right * truth.1[k].abs().max(1.0) + 1e-3;

@@ -5,10 +5,9 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use flipmap_engine::choice::{ChoiceError, Chosen, EngineRequest, IntegrationSetting, choose};
-use flipmap_engine::{
-    Accuracy, Cells, EngineKind, IntegratorConfig, Method, Precision, WantedEnds,
-};
+use flipmap_engine::{Accuracy, Cells, EngineKind, IntegratorConfig, Method, Precision};
 use flipmap_render::tiles::Renderer;
+use flipmap_scene::question::Needs;
 
 /// A way to compute a window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +85,7 @@ impl Renderers {
     pub(super) fn of(
         &mut self,
         how: &How,
-        ends: WantedEnds,
+        ends: Needs,
     ) -> Result<Option<&mut Renderer>, ChoiceError> {
         let setting = match how.config {
             Some(config) => IntegrationSetting::Explicit(config),
@@ -108,7 +107,7 @@ impl Renderers {
 }
 
 fn made(request: &EngineRequest) -> Result<Option<Renderer>, ChoiceError> {
-    let is_refused = |config: &IntegratorConfig| request.ends.check(config).is_err();
+    let is_refused = |config: &IntegratorConfig| config.check_needs(request.ends).is_err();
     match choose(request, &|_| {}) {
         Ok(Chosen { config, .. }) if is_refused(&config) => Ok(None),
         Ok(chosen) => Ok(Some(Renderer::try_from(chosen)?)),

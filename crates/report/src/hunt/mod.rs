@@ -22,11 +22,12 @@ use self::scenes::Scenes;
 use super::{ReportError, StopTest};
 use flipmap_engine::choice::{Chosen, EngineRequest, choose};
 use flipmap_engine::plain_file::read_text;
-use flipmap_engine::{Engine, EngineError, IntegratorConfig, Trust, WantedEnds};
+use flipmap_engine::{Engine, EngineError, IntegratorConfig, Trust};
 use flipmap_numbers::{Exact, Scalar};
 use flipmap_pendulum::Status;
 use flipmap_render::tiles::preview::preview;
 use flipmap_render::tiles::{Samples, Work, check_feasible};
+use flipmap_scene::question::Needs;
 use flipmap_scene::question::{MAX_CHANNELS, QuestionName};
 use flipmap_scene::{PlaneKind, Scene, Setting, View};
 
@@ -159,7 +160,7 @@ impl Hunt {
         fastrand::Rng::with_seed(picks).shuffle(&mut places);
         let (marked, mut unmarked): (Vec<usize>, Vec<usize>) =
             places.into_iter().partition(is_marked);
-        if jury.judged.deep || window.ends() == WantedEnds::Growth {
+        if jury.judged.deep || window.ends() == Needs::Growth {
             unmarked.truncate(SAMPLE);
         }
         let verdicts = jury.verdicts(&unmarked);
@@ -224,7 +225,7 @@ enum Rendering {
 }
 
 impl Window {
-    fn ends(&self) -> WantedEnds {
+    fn ends(&self) -> Needs {
         self.scene.question.ask.kind().needs.into()
     }
 

@@ -3,7 +3,7 @@
 //! filaments, energy curves and grazes.
 
 use super::how::How;
-use flipmap_engine::{Engine, EngineError, EngineKind, IntegratorConfig, WantedEnds};
+use flipmap_engine::{Engine, EngineError, EngineKind, IntegratorConfig};
 use flipmap_numbers::{Angle, Decimal, Exact, Scalar};
 use flipmap_pendulum::Rule;
 use flipmap_render::tiles::descent::{Descent, DescentStep};
@@ -100,7 +100,7 @@ impl Scenes {
             7 => QuestionSettings { ask: QuestionName::Flips, ..plain },
             8 => QuestionSettings { ask: QuestionName::State, ..plain },
             _ => {
-                let gathers = |ask: &QuestionName| WantedEnds::from(ask.kind().needs).are_carried();
+                let gathers = |ask: &QuestionName| ask.kind().needs.are_carried();
                 let gathering = QuestionName::ALL.into_iter().filter(gathers);
                 let ask = self.random.choice(gathering.collect::<Vec<_>>()).unwrap_or_default();
                 // The referee follows nine orbits in many digits for growth.

@@ -149,9 +149,10 @@ pub enum Painted {
 }
 
 /// Results of an integration that a question reads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Needs {
     /// The outcome alone.
+    #[default]
     Outcome,
     /// The outcome and the state at the end.
     End,
@@ -159,6 +160,19 @@ pub enum Needs {
     Growth,
     /// The extreme of a quantity along the motion, with the outcome and the state at the end.
     Extremum(Extremum),
+}
+
+impl Needs {
+    /// Returns true if pendulums carry numbers along for these results, from the release to the end
+    /// of the budget.
+    pub fn are_carried(self) -> bool {
+        matches!(self, Needs::Growth | Needs::Extremum(_))
+    }
+
+    /// Returns true if an extreme is looked for.
+    pub fn is_extreme(self) -> bool {
+        matches!(self, Needs::Extremum(_))
+    }
 }
 
 /// Largest number of channels of any question.

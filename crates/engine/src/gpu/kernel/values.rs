@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::Precision;
 use crate::adapters::Pairs;
 use crate::integrator_state::SLOPES;
-use crate::{Precision, WantedEnds};
 use flipmap_pendulum::tangents::LARGE;
+use flipmap_scene::question::Needs;
 
 /// Values of a kernel's text.
 #[derive(Serialize)]
@@ -97,9 +98,9 @@ pub(super) struct CarriedValues {
 }
 
 impl CarriedValues {
-    pub(super) fn new(ends: WantedEnds) -> Self {
+    pub(super) fn new(ends: Needs) -> Self {
         CarriedValues {
-            greatest: matches!(ends, WantedEnds::Extremum(extremum) if extremum.is_greatest()),
+            greatest: matches!(ends, Needs::Extremum(extremum) if extremum.is_greatest()),
             slopes: SLOPES.as_flattened(),
             large: format!("{LARGE:?}"),
             smaller: format!("{:?}", 1.0 / LARGE),

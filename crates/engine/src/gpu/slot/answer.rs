@@ -10,9 +10,10 @@ use crate::integrator_state::{MAX_CARRIED_NUMBERS, carried_names};
 use crate::pace::Pace;
 use crate::{
     Carried, Effort, EngineError, FinalState, IntegratorState, Job, JobResult, Keep, NUMBERS,
-    Precision, Starts, WantedEnds, start,
+    Precision, Starts, start,
 };
 use flipmap_pendulum::{Accumulators, Outcome, Status};
+use flipmap_scene::question::Needs;
 
 impl Slot {
     /// Reads the answer once it has been mapped. Returns `None` if the device was lost after that,
@@ -60,7 +61,7 @@ impl Slot {
         };
         if self.job.keep != Keep::NOTHING {
             let Some(mut states) = self.read_states(raw) else { return Ok(None) };
-            if self.job.keep.ends != WantedEnds::None {
+            if self.job.keep.ends != Needs::Outcome {
                 finished.ends = self.ends(ended, &states);
             }
             if self.job.keep.states {
@@ -81,14 +82,14 @@ impl Slot {
     ) -> Vec<FinalState> {
         let (reduced, _) = self.job.question.reduced();
         match self.job.keep.ends {
-            WantedEnds::Growth => {
+            Needs::Growth => {
                 let end = |state| start::end_with_growth(&reduced, state);
                 return states.par_iter().map(end).collect();
             }
-            WantedEnds::Extremum(_) => {
+            Needs::Extremum(_) => {
                 return states.iter().map(start::end_with_extremum).collect();
             }
-            WantedEnds::None | WantedEnds::Plain => {}
+            Needs::Outcome | Needs::End => {}
         }
         let one = |(k, (raw, state)): (usize, (&RawOutcome, &IntegratorState))| {
             let flipped =
