@@ -4,7 +4,7 @@ use pulp::{Simd, WithSimd};
 
 use super::adaptive::PairSteps;
 use super::extremum::Search;
-use super::growth::{Growth, WithTangents};
+use super::growth::{SlopeScales, WithTangents};
 use super::lane_scheduler::{Chunk, ChunkResult};
 use super::lanes::{F32Lanes, F64Lanes, Lanes};
 use super::number::{Compensated, Number, Two};
@@ -174,7 +174,9 @@ where
     M: LaneStepper<N> + LaneStepper<WithTangents<N>, Control = <M as LaneStepper<N>>::Control>,
 {
     match chunk.keep.ends {
-        Needs::Growth => gather_loop::run::<WithTangents<N>, M, Growth>(set, chunk, control, ()),
+        Needs::Growth => {
+            gather_loop::run::<WithTangents<N>, M, SlopeScales>(set, chunk, control, ())
+        }
         Needs::Extremum(extremum) => {
             gather_loop::run::<N, M, Search<N>>(set, chunk, control, extremum)
         }

@@ -51,11 +51,11 @@ impl<N: Number + Narrow<N::Leading>> Number for WithTangents<N> {
 }
 
 /// The logarithms of the factors by which the lanes' slopes were scaled down.
-pub(super) struct Growth {
+pub(super) struct SlopeScales {
     log_scale: [f64; MAX_LANES],
 }
 
-impl<N: Number + Narrow<N::Leading>> Observer<WithTangents<N>> for Growth {
+impl<N: Number + Narrow<N::Leading>> Observer<WithTangents<N>> for SlopeScales {
     type Wanted = ();
 
     #[inline(always)]
@@ -72,7 +72,7 @@ impl<N: Number + Narrow<N::Leading>> Observer<WithTangents<N>> for Growth {
                 *slope = <N::Leading as Lanes>::load(set, &slopes.map(|slopes| slopes[i][k]));
             }
         }
-        Growth { log_scale: starts.map(IntegratorState::log_scale) }
+        SlopeScales { log_scale: starts.map(IntegratorState::log_scale) }
     }
 
     #[inline(always)]

@@ -40,8 +40,7 @@ use flipmap_pendulum::opening::{Opening, from_top};
 use flipmap_pendulum::tangents::TangentMap;
 use flipmap_pendulum::{Rule, control};
 use flipmap_scene::lattice::Cell;
-use flipmap_scene::question::Needs;
-use flipmap_scene::{ExactPlane, PendulumSpec};
+use flipmap_scene::{ExactPlane, PendulumSpec, question::Needs};
 
 /// Largest truncation error of a leaf's polynomials, in unit vectors and scaled momenta. An error
 /// made further up grows with the cells that are cut from there, so the tolerance is halved with

@@ -176,7 +176,7 @@ impl Design {
         if self.ends.are_carried() {
             let file = if self.ends.is_extreme() { "extremum.wgsl" } else { "tangents.wgsl" };
             let first = ["shared.wgsl", number, "state.wgsl", "carried.wgsl", "control.wgsl"];
-            let files = [&first[..], &[file, "gather.wgsl", "turn.wgsl"]].concat();
+            let files = [&first[..], &["gather.wgsl", file, "turn.wgsl"]].concat();
             return glue(&files, &self.values(maths, &step.results));
         }
         if self.is_adaptive() {
