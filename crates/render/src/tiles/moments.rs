@@ -88,7 +88,7 @@ impl Moments {
     /// Returns true if an integrator config can continue pendulums with all that a checked scene's
     /// question needs.
     fn are_possible(scene: &Scene, config: &IntegratorConfig) -> bool {
-        let ends = scene.question.ask.kind().needs.into();
+        let ends = scene.question.ask.kind().needs;
         Keep { ends, states: true }.check(config).is_ok()
     }
 

@@ -30,7 +30,7 @@ impl Reader {
 
     /// Returns the ends that jobs must return.
     pub fn ends(&self) -> Needs {
-        self.ask.kind().needs.into()
+        self.ask.kind().needs
     }
 
     /// Writes the answers of a job into the samples at `places`.

@@ -226,7 +226,7 @@ enum Rendering {
 
 impl Window {
     fn ends(&self) -> Needs {
-        self.scene.question.ask.kind().needs.into()
+        self.scene.question.ask.kind().needs
     }
 
     /// The samples of the window, with every pixel checked.
